@@ -274,7 +274,7 @@ class Machine:
         return np.asarray(both & ~self.moved)
 
     @cached_property
-    def _room(self) -> Array:
+    def room(self) -> Array:
         """By how much numbers of drives may be outside their ranges, shape (m,)."""
         size = np.maximum(np.abs(self.low), np.abs(self.high))
         # A distance to a plane is a difference of coordinates: it has their rounding error.
@@ -289,7 +289,7 @@ class Machine:
         By more than the rounding of doubles. NaN, which is out of reach, is outside.
         """
         q = np.where(self.two_sided, np.abs(q), q)
-        return np.asarray(~((q >= self.low - self._room) & (q <= self.high + self._room)))
+        return np.asarray(~((q >= self.low - self.room) & (q <= self.high + self.room)))
 
     def range_shares(self, q: Array) -> Array:
         """Return the position of each drive in its range as a share, shape (..., m).

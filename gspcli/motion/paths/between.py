@@ -321,6 +321,32 @@ def cone_margins(machine: Machine) -> Measure:
     return measure
 
 
+def limit_margins(machine: Machine) -> Measure:
+    """Return the measure of all limits: how far drives are within their ranges, and of cones.
+
+    Ranges come first, those that `ranged` lists; lengths and radians.
+    """
+    k, cones = ranged(machine), cone_margins(machine)
+    low, high, two_sided = machine.low[k], machine.high[k], machine.two_sided[k]
+
+    def measure(near: Near) -> tuple[Array, Array]:
+        q = (machine.inverse(near.R, near.T) if near.q is None else near.q)[:, k]
+        changes = near.changes()[:, k] + roundings(16, np.abs(q) + machine.room[k])
+        q = np.where(two_sided, np.abs(q), q)
+        margins = np.minimum(q - low, high - q) + machine.room[k]
+        if not machine.cones:
+            return margins, changes
+        more = cones(near)
+        return np.hstack((margins, more[0])), np.hstack((changes, more[1]))
+
+    return measure
+
+
+def ranged(machine: Machine) -> Index:
+    """Return the drives with a range."""
+    return np.flatnonzero(np.isfinite(machine.high - machine.low))
+
+
 def _leg_moves(
     near: Near,
     ends: tuple[Array, Array, Array],
@@ -408,6 +434,11 @@ class PoseParts:
         q = machine.inverse(R, T)
         slips = slips_near(machine, R, T, q, shifts, turns, self._centre)
         return Near(R, T, shifts, turns, changes, q, slips)
+
+    def finer(self, k: int) -> Index:
+        """Return no parts: the poses of a straight way are known exactly."""
+        del k
+        return np.zeros(0, np.int64)
 
 
 class ValueParts:
@@ -591,7 +622,9 @@ def _judged(
     return found, lost
 
 
-def signs(measure: Measure, parts: ValueParts, count: int) -> tuple[Array, Array, Index]:
+def signs(
+    measure: Measure, parts: PoseParts | ValueParts, count: int
+) -> tuple[Array, Array, Index]:
     """Return on which stretches of ways `count` quantities are proved to be positive or negative.
 
     Returns
@@ -609,7 +642,8 @@ def signs(measure: Measure, parts: ValueParts, count: int) -> tuple[Array, Array
         rest = _Pieces.of(measure, parts, part, here, here).change
         open_ = ~(np.abs(middle) > change) & (high - low > _SHORTEST)[:, None]
         again = np.zeros(len(part), np.int64)
-        again[(open_ & (change - rest > rest / 4)).any(axis=1)] = 1
+        with np.errstate(invalid="ignore"):
+            again[(open_ & (change - rest > rest / 4)).any(axis=1)] = 1
         for j in np.flatnonzero((open_ & (2 * rest > change)).any(axis=1)).tolist():
             if len(parts.finer(int(part[j]))):
                 again[j] = 2
@@ -681,7 +715,6 @@ def _divided(
         new = [(part[halved], low[halved], middle[halved])]
         new.append((part[halved], middle[halved], high[halved]))
         for j in np.flatnonzero(again == 2).tolist():
-            assert isinstance(parts, ValueParts)
             finer = parts.finer(int(part[j]))
             begin = np.maximum(parts.begin[finer], low[j])
             end = np.minimum(parts.end[finer], high[j])
@@ -952,13 +985,12 @@ def drive_rows(track: Track, drives: Machine) -> Array:
 
 
 def _ranges(track: Track, drives: Machine, q: Array) -> Iterator[LimitEvent]:
-    for k in np.flatnonzero(np.isfinite(drives.high)).tolist():
+    for k in ranged(drives).tolist():
         ends = [drives.low[k], drives.high[k]]
         ends += [-end for end in ends] if drives.two_sided[k] else []
-        name = drives.names[k] if drives.moved[k] else ""
+        limit = _range_event(drives, k)
         for time, leaves in crossings(track.t, drives, q, k, np.array(ends)):
-            first = int(drives.first[k])
-            yield LimitEvent("range", leaves, first, "", None, time, time, True, name)
+            yield replace(limit, leaves=leaves, low=time, high=time)
 
 
 def crossings(
@@ -1038,7 +1070,7 @@ def _cones(track: Track) -> list[LimitEvent]:
 
 def _between_rows(track: Track) -> list[LimitEvent]:
     """Return the events of cones, proved between rows, too."""
-    cones, rows, found = machine_of(track).cones, _followed(track), []
+    rows, found = _followed(track), []
     machine = (Machine.of if track.coordinates else value_machine)(track.followed)
     numbers = drive_rows(track, machine)
     follower = RowFollower(track.followed, track.coordinates)
@@ -1052,31 +1084,48 @@ def _between_rows(track: Track) -> list[LimitEvent]:
         )
         end = int(np.isfinite(T[:, 0]).sum())
         parts = ValueParts(path, np.arange(min(end, len(rows) - 1)))
-        begin, stop, sign = signs(measure, parts, len(cones))
+        begin, stop, sign = signs(measure, parts, len(machine.cones))
         if step < 0:
             begin, stop, sign = len(rows) - 1 - stop[::-1], len(rows) - 1 - begin[::-1], sign[::-1]
-        times = [
-            (_time(track, a), _time(track, b))
-            for a, b in zip(begin.tolist(), stop.tolist(), strict=True)
-        ]
-        low, high = _lifetime(track, mode)
-        for cone, states in zip(cones, sign.T.tolist(), strict=True):
-            found += [
-                LimitEvent("cone", leaves, cone.constraint, cone.body, mode, since, until, proved)
-                for leaves, since, until, proved in _changes(times, states, low, high, _room(track))
-            ]
+        stretches = begin, stop, sign
+        found += _proved_events(
+            track.t, stretches, _cone_events(machine, mode), *_lifetime(track, mode)
+        )
     return found
 
 
-def _time(track: Track, row: float) -> float:
-    """Return t at a row, counted from 0, with a fraction."""
-    k = min(int(row), len(track.t) - 2)
-    return float(track.t[k] + (row - k) * (track.t[k + 1] - track.t[k]))
+def _range_event(machine: Machine, k: int) -> LimitEvent:
+    """Return an event of the range of a drive, without its time."""
+    name = machine.names[k] if machine.moved[k] else ""
+    return LimitEvent("range", True, int(machine.first[k]), "", None, np.nan, np.nan, True, name)
 
 
-def _room(track: Track) -> float:
-    """Return the time next to a fold that may be skipped, in units of t."""
-    return float(_BESIDE * np.diff(track.t).max(initial=0.0))
+def _cone_events(machine: Machine, mode: int) -> list[LimitEvent]:
+    """Return an event of each cone, without its time."""
+    return [
+        LimitEvent("cone", True, one.constraint, one.body, mode, np.nan, np.nan, False)
+        for one in machine.cones
+    ]
+
+
+def _proved_events(
+    t: Array,
+    stretches: tuple[Array, Array, Index],
+    limits: list[LimitEvent],
+    low: float,
+    high: float,
+) -> list[LimitEvent]:
+    """Return the events of some limits from low to high, by the `signs` of their margins."""
+    begin, stop, sign = stretches
+    rows = np.arange(len(t))
+    times = list(zip(*(np.interp(x, rows, t).tolist() for x in (begin, stop)), strict=True))
+    # Next to a fold parts get too short to be proved.
+    room = float(_BESIDE * np.diff(t).max(initial=0.0))
+    return [
+        replace(limit, leaves=leaves, low=since, high=until, proved=proved)
+        for limit, states in zip(limits, sign.T.tolist(), strict=True)
+        for leaves, since, until, proved in _changes(times, states, low, high, room)
+    ]
 
 
 def _lifetime(track: Track, mode: int) -> tuple[float, float]:
@@ -1261,10 +1310,6 @@ def _rows(
     return PathRows.of_values(free, values, R, T, weights_of(value_machine(track.instance))[0])
 
 
-#: Poses of a way that are tested for the limit that it violates.
-_LOOKS = 64
-
-
 @dataclass(frozen=True, eq=False)
 class PoseTrack:
     """A file of poses as a track.
@@ -1363,7 +1408,7 @@ def pose_track(
         known=mode,
         **moving,
     )
-    limits = tuple(_limits(inside, parameters[:end], t, mode))
+    limits = tuple(_left_on_poses(inside, parameters[:end], t, mode))
     return PoseTrack(track, regular, limits)
 
 
@@ -1397,52 +1442,24 @@ def _reason(proof: WayProof) -> str:
     return "a pose on the straight way may be singular"
 
 
-def _limits(ways: PoseWays, parameters: Array, t: Array, mode: int) -> Iterator[LimitEvent]:
-    """Yield each limit where it is first left on a way, or first not proved to be kept."""
-    seen: set[tuple[str, int, str, str]] = set()
-    for k in range(len(parameters) - 1):
-        proof = ways.prove(parameters[k], parameters[k + 1])
-        if not proof.sign:
-            parts = np.linspace(0, 1, _LOOKS + 1)[:, None]
-            way = parameters[k] + (parameters[k + 1] - parameters[k]) * parts
-            times = t[k] + (t[k + 1] - t[k]) * parts[:, 0]
-            for event in _on_way(ways, *ways.poses(way), times, mode, proof):
-                name = event.kind, event.constraint, event.body, event.drive
-                if name not in seen:
-                    seen.add(name)
-                    yield event
-
-
-def _on_way(
-    ways: PoseWays, R: Array, T: Array, t: Array, mode: int, proof: WayProof
-) -> Iterator[LimitEvent]:
-    """Yield the limits that samples of a way violate; if there are none, those not proved."""
-    instance, machine = ways.instance, ways.machine
-    q, low, high = machine.along(R, T), float(t[0]), float(t[-1])
-    whole = LimitEvent("range", True, 0, "", None, low, high, False)
-    ranges = [replace(whole, constraint=k) for k in range(len(instance.constraints))]
-    moved = [
-        replace(whole, constraint=k, drive=name if driven else "")
-        for k, name, driven in zip(
-            machine.first.tolist(), machine.names, machine.moved.tolist(), strict=True
-        )
+def _left_on_poses(ways: PoseWays, parameters: Array, t: Array, mode: int) -> list[LimitEvent]:
+    """Return where limits are left on straight ways of poses, or kept again."""
+    machine, k = ways.machine, ranged(ways.machine)
+    open_ = [
+        j
+        for j in range(len(parameters) - 1)
+        if not ways.prove(parameters[j], parameters[j + 1]).sign
     ]
-    cones = [
-        LimitEvent("cone", True, one.constraint, one.body, mode, low, high, False)
-        for one in machine.cones
-    ]
-    events = (*moved, *cones)
-    violated = np.concatenate((machine.outside(q), machine.out_of_cones(R, T, q)), axis=1)
-    seen = np.flatnonzero(violated.any(axis=0)).tolist()
-    for k in seen:
-        first = int(violated[:, k].argmax())
-        yield replace(events[k], low=float(t[max(first - 1, 0)]), high=float(t[first]))
-    if seen:
-        return
-    # Of a way with a pose that violates some limit it is not known which one.
-    left, driven = proof.left or int(ways.boxes.conditions), np.flatnonzero(machine.driven)
-    for k, event in enumerate((*ranges, *cones)):
-        drive = machine.names[machine.index[k]] if k in driven else ""
-        stated = k >= len(ranges) or drive or instance.constraints[k].limits is not None
-        if left >> k & 1 and stated:
-            yield replace(event, drive=drive)
+    if not open_ or not (len(k) or machine.cones):
+        return []
+    limits = [*(_range_event(machine, one) for one in k.tolist()), *_cone_events(machine, mode)]
+    path = PathRows.of_poses(ways, *ways.poses(parameters), parameters)
+    begin, stop, sign = signs(limit_margins(machine), PoseParts(path, np.array(open_)), len(limits))
+    whole = np.setdiff1d(np.arange(len(parameters) - 1), open_)
+    begin, stop = np.append(begin, whole), np.append(stop, whole + 1)
+    order = np.argsort(begin, kind="stable")
+    sign = np.concatenate((sign, np.ones((len(whole), len(limits)), np.int64)))
+    stretches = begin[order], stop[order], sign[order]
+    ends = float(t[0]), float(t[len(parameters) - 1])
+    found = _proved_events(t, stretches, limits, *ends)
+    return sorted(found, key=lambda event: (event.low, event.high, event.constraint))

@@ -239,8 +239,6 @@ class WayProof:
         Why the way is not proved, in words; empty if it is.
     violated
         Whether it is proved that some pose of the way is singular or violates a limit.
-    left
-        The conditions that are not proved on some part of the way, as bits of `PoseBoxes`.
     shared
         Whether rods that share a motor are not parallel on the way.
     """
@@ -249,7 +247,6 @@ class WayProof:
     cells: int
     reason: str = ""
     violated: bool = False
-    left: int = 0
     shared: bool = False
 
 
@@ -408,7 +405,7 @@ class PoseWays:
             left = found.open_left & ~NEGATIVE
             index, left = np.concatenate((2 * index, 2 * index + 1)), np.concatenate((left, left))
         open_ = int(left[0] & ~NEGATIVE)
-        return WayProof(0, cells, ", ".join(self.boxes.names(open_)), left=open_)
+        return WayProof(0, cells, ", ".join(self.boxes.names(open_)))
 
     def contains(self, low: Array, high: Array, cuts: int = _MOST_CUTS) -> WayProof:
         """Prove that all poses of a box are regular and within the limits, shape (6,) each.

@@ -17,6 +17,7 @@ from gspcli.geometry.measurement import condition_numbers
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.motion.collisions.compared import ComparedShapes
 from gspcli.motion.paths.between import (
+    PathRows,
     ValueParts,
     _rows,
     can_be_bounded,
@@ -134,8 +135,10 @@ def test_a_range_that_a_slide_leaves():
     instance, R0, T0, _ = thick("three-prs")
     T = T0 + np.array([[0, 0, 0], [0, 0, 1.5]])
     found = tracked(instance, np.stack([R0, R0]), T)
-    assert [one.drive for one in found.limits] == ["slide.B1", "slide.B2", "slide.B3"]
-    assert all(one.low <= 1 / 1.5 <= one.high for one in found.limits)
+    assert sorted(one.drive for one in found.limits) == ["slide.B1", "slide.B2", "slide.B3"]
+    for one in found.limits:
+        assert one.proved
+        assert (one.low, one.high) == pytest.approx((1 / 1.5, 1 / 1.5), abs=1e-9)
     assert found.track.ends == ()
 
 
@@ -159,19 +162,51 @@ def test_rods_that_share_a_motor_do_not_turn():
     assert event.reason == "rods that share a motor are not parallel on the straight way"
 
 
-def test_a_way_that_violates_some_limit_violates_perhaps_all(monkeypatch):
-    """Samples of the way may show none."""
+def test_a_range_that_is_left_and_kept_again_on_one_way():
+    """Of a way up and down the slides leave their range in between; samples show where."""
+    instance = gspcli.example("workspace-study")
+    T = np.array([[-100, 0, 401], [100, 0, 401.0]])
+    R = np.tile(np.eye(3), (2, 1, 1))
+    t = np.linspace(0, 1, 2001)
+    lengths = gspcli.measure(
+        instance, np.tile(np.eye(3), (2001, 1, 1)), T[0] + t[:, None] * (T[1] - T[0])
+    )
+    least = (lengths[[0, -1]].min(axis=0) + lengths.min(axis=0)) / 2
+    rows = [
+        replace(row, limits=(gspcli.Number.of(low), gspcli.Number.of(600)))
+        for row, low in zip(instance.constraints, least.tolist(), strict=True)
+    ]
+    found = tracked(replace(instance, constraints=tuple(rows)), R, T)
+    outside = lengths < least
+    for k in range(6):
+        events = [one for one in found.limits if one.constraint == k]
+        changes = np.flatnonzero(np.diff(outside[:, k]))
+        assert [one.leaves for one in events] == outside[changes + 1, k].tolist()
+        for one, j in zip(events, changes.tolist(), strict=True):
+            assert one.proved
+            assert t[j] <= one.low <= one.high <= t[j + 1]
+            assert one.high - one.low < 1e-8
+
+
+def test_a_wider_change_of_drives_leaves_a_way_undecided(monkeypatch):
+    """A range is kept on a way only if the drives are proved to move no farther."""
     instance, R0, T0, size = thick("three-prs")
+    T = T0 + np.array([[0, 0, 0], [0, 0, 0.1 * size]])
     prove = PoseWays.prove
 
-    def violated(ways, *ends):
+    def open_(ways, *ends):
         inside = ways._conditions == ways.boxes.conditions
-        return WayProof(0, 0, "limit", violated=True) if inside else prove(ways, *ends)
+        return WayProof(0, 0, "limit") if inside else prove(ways, *ends)
 
-    monkeypatch.setattr(PoseWays, "prove", violated)
-    T = T0 + np.array([[0, 0, 0], [0, 0, 0.1 * size]])
-    found = tracked(instance, np.stack([R0, R0]), T)
-    assert [one.drive for one in found.limits] == ["slide.B1", "slide.B2", "slide.B3"]
+    monkeypatch.setattr(PoseWays, "prove", open_)
+    assert tracked(instance, np.stack([R0, R0]), T).limits == ()
+    monkeypatch.setattr(
+        PathRows, "moved", lambda self, begins, _: np.full((len(begins), 6), np.inf)
+    )
+    limits = tracked(instance, np.stack([R0, R0]), T).limits
+    assert [(one.drive, one.proved) for one in limits] == [
+        ("slide.B1", False), ("slide.B2", False), ("slide.B3", False)
+    ]  # fmt: skip
 
 
 def test_drives_that_stay_have_their_points_where_the_file_states_them():
