@@ -84,9 +84,6 @@ def closed_forms(
     flat: NDArray[np.float64],
     curved: NDArray[np.float64],
 ) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]: ...
-def find_real_points(
-    points: NDArray[np.complex128],
-) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]: ...
 def count(
     prime: int,
     *,

@@ -6,16 +6,13 @@ import errno
 import json
 import os
 import sys
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
-from dataclasses import asdict
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO, ClassVar, Protocol, TypeVar
 
 from gspcli.errors import GspError
-from gspcli.progress import Progress, silent
 from gspcli.wording import named
-from gspcli.workers import HERE, Workers
 
 Item = TypeVar("Item")
 
@@ -181,42 +178,3 @@ def held(path: Path) -> Iterator[None]:
             yield
         finally:
             lock.unlink(missing_ok=True)
-
-
-def carry_out(
-    tasks: Iterable[Hashable],
-    do: Callable[[Any], Result],
-    *,
-    decode: Callable[[dict[str, Any]], Result],
-    journal: Path | None = None,
-    workers: Workers = HERE,
-    progress: Progress = silent,
-    label: str = "",
-) -> dict[Any, Result]:
-    """Return the results of tasks; results in the work file are not computed again.
-
-    Parameters
-    ----------
-    tasks
-        The tasks.
-    do
-        Returns the result of a task, with the task as its `task`.
-    decode
-        The inverse of `dataclasses.asdict` for results; see `Journal.read`.
-    journal
-        The work file, to which each new result is added at once; None for no record.
-    workers
-        The processes that do them.
-    progress, label
-        The receiver of the progress, and the name of the work.
-    """
-    wanted = list(tasks)
-    with Journal.opened(journal) if journal else nullcontext() as work_file:
-        known = {result.task: result for result in work_file.read(decode)} if work_file else {}
-        results = {task: known[task] for task in wanted if task in known}
-        missing = [task for task in wanted if task not in results]
-        for result in progress(workers.as_completed(do, missing), total=len(missing), label=label):
-            results[result.task] = result
-            if work_file:
-                work_file.append(asdict(result))
-    return results

@@ -19,7 +19,6 @@
 
 #include "bindings.hpp"
 #include "modules.hpp"
-#include "conjugates.hpp"
 #include "counting.hpp"
 #include "homotopy.hpp"
 #include "threads.hpp"
@@ -214,16 +213,6 @@ nb::tuple track(nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::c
                         owned(std::move(correction), {targets, paths}));
 }
 
-nb::tuple real_points(Array<std::complex<double>, 2> points) {
-  const std::size_t count = points.shape(0), size = points.shape(1);
-  auto representative = std::make_unique<std::complex<double>[]>(count * size);
-  auto real = std::make_unique<bool[]>(count);
-  find_real_points(static_cast<int>(count), static_cast<int>(size), points.data(),
-                   representative.get(), real.get());
-  return nb::make_tuple(owned(std::move(representative), {count, size}),
-                        owned(std::move(real), {count}));
-}
-
 nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
                 Array<std::int64_t, 3> hessians, Array<std::uint64_t, 2> moments,
                 Array<std::uint64_t, 2> functions, Array<std::uint64_t, 2> squares,
@@ -305,8 +294,6 @@ nb::tuple count(std::uint64_t prime, std::uint64_t seed, unsigned blocks,
 
 NB_MODULE(_kernel, m) {
   m.doc() = "Native code of gspcli.continuation, gspcli.geometry and gspcli.certification.";
-  m.def("find_real_points", &gsp::real_points, "points"_a,
-        "Return representatives and which are real; see gspcli.geometry.quaternions.");
   m.def("track", &gsp::track, "products"_a, "start_g"_a, "start_h"_a, "start_tau"_a, "target_g"_a,
         "target_h"_a, "target_tau"_a, "more_g"_a, "more_h"_a, "more_tau"_a, "points"_a,
         "low_points"_a, "left"_a, nb::kw_only(), "predictor_tolerance"_a, "contraction"_a, "arrival"_a,

@@ -144,7 +144,8 @@ _AXIS_NAMES = "xyz"
 def rotation(home: HomePose, unit: AngleUnit) -> Matrix:
     """Return the rotation of a stated pose or frame, exactly; rows of three numbers."""
     if home.euler is None:
-        return _of_quaternion(home.quaternion)
+        size, rows, _ = study.motion([*home.quaternion, *[_ZERO] * 4])
+        return [[entry / size for entry in row] for row in rows]
     name = (
         {"sin": "sind", "cos": "cosd"} if unit is AngleUnit.DEGREE else {"sin": "sin", "cos": "cos"}
     )
@@ -160,25 +161,6 @@ def rotation(home: HomePose, unit: AngleUnit) -> Matrix:
         turn[k][j], turn[j][k] = sine, -sine
         R = product(R, turn) if letter.isupper() else product(turn, R)
     return R
-
-
-def _of_quaternion(quaternion: Sequence[Number]) -> Matrix:
-    w, x, y, z = quaternion
-    norm = dot(quaternion, quaternion)
-
-    two = Number.of(2)
-
-    def plus(a: Number, b: Number, c: Number, d: Number) -> Number:
-        return two * (a * b + c * d) / norm
-
-    def minus(a: Number, b: Number, c: Number, d: Number) -> Number:
-        return two * (a * b - c * d) / norm
-
-    return [
-        [_ONE - plus(y, y, z, z), minus(x, y, w, z), plus(x, z, w, y)],
-        [plus(x, y, w, z), _ONE - plus(x, x, z, z), minus(y, z, w, x)],
-        [minus(x, z, w, y), plus(y, z, w, x), _ONE - plus(x, x, y, y)],
-    ]
 
 
 def product(a: Matrix, b: Matrix) -> Matrix:

@@ -222,27 +222,6 @@ def stable_order(
 Array = NDArray[np.float64]
 
 
-def find_real_points(points: Complex) -> tuple[Complex, NDArray[np.bool_]]:
-    """Return representatives of the points of a set closed under conjugation, and which are real.
-
-    A point is real if, of all points of the set, the point itself is nearest to its conjugate.
-    This needs no threshold if the distances between points exceed their errors.
-
-    Parameters
-    ----------
-    points
-        Points of projective space, shape (k, n + 1).
-
-    Returns
-    -------
-    representatives
-        The points with norm 1; a real point has exactly real coordinates; shape (k, n + 1).
-    real
-        Shape (k,).
-    """
-    return _kernel.find_real_points(np.ascontiguousarray(points))
-
-
 def made_real(points: Complex) -> Array:
     """Return real representatives of real points, norm 1, shape (..., n + 1)."""
     flat = points.reshape(-1, points.shape[-1])

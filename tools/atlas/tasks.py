@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from contextlib import nullcontext
+from dataclasses import asdict
 from functools import cache, partial
 from pathlib import Path
 from random import Random
@@ -24,7 +26,7 @@ from gspcli.defaults import SEED
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.geometry.random_instances import random_instance
-from gspcli.journal import carry_out
+from gspcli.journal import Journal
 from gspcli.progress import Progress, silent
 from gspcli.records import dataclass
 from gspcli.resources import data_json
@@ -343,6 +345,45 @@ def measure(task: Task, timeout_s: float | None = None) -> Result:
     tracked = found if isinstance(found, Tracked) else None
     count = found.certified if isinstance(found, Tracked) else found
     return Result(task, count, round(time.monotonic() - began, 3), tracked)
+
+
+def carry_out(
+    tasks: Iterable[Hashable],
+    do: Callable[[Any], Any],
+    *,
+    decode: Callable[[dict[str, Any]], Any],
+    journal: Path | None = None,
+    workers: Workers = HERE,
+    progress: Progress = silent,
+    label: str = "",
+) -> dict[Any, Any]:
+    """Return the results of tasks; results in the work file are not computed again.
+
+    Parameters
+    ----------
+    tasks
+        The tasks.
+    do
+        Returns the result of a task, with the task as its `task`.
+    decode
+        The inverse of `dataclasses.asdict` for results; see `Journal.read`.
+    journal
+        The work file, to which each new result is added at once; None for no record.
+    workers
+        The processes that do them.
+    progress, label
+        The receiver of the progress, and the name of the work.
+    """
+    wanted = list(tasks)
+    with Journal.opened(journal) if journal else nullcontext() as work_file:
+        known = {result.task: result for result in work_file.read(decode)} if work_file else {}
+        results = {task: known[task] for task in wanted if task in known}
+        missing = [task for task in wanted if task not in results]
+        for result in progress(workers.as_completed(do, missing), total=len(missing), label=label):
+            results[result.task] = result
+            if work_file:
+                work_file.append(asdict(result))
+    return results
 
 
 def count_all(

@@ -10,9 +10,10 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from gspcli.catalogue.kinds import AHH, AHL, ALH, ALL, DHP, DLL, DLP, DPH, DPL, DPP, Kind
+from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law
 from gspcli.certification.numbers.balls import cross, dot, norm, rotated
 from gspcli.certification.numbers.rounding import TINY
+from gspcli.geometry import study
 from gspcli.geometry.enclosures import above
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.machine import MovedPoint, driven_points, joint_cones
@@ -24,8 +25,9 @@ Array = NDArray[np.float64]
 PRECISION = 160
 #: The measured quantities, with the numbers of native/reach.hpp.
 _MEASURES: dict[Kind, int] = {
-    DPP: 0, DPL: 1, DLP: 2, DPH: 3, DHP: 4, DLL: 5, ALL: 6, ALH: 6, AHL: 6, AHH: 6,
-}  # fmt: skip
+    **dict(zip((DPP, DPL, DLP, DPH, DHP, DLL), range(6), strict=True)),
+    **dict.fromkeys(ANGLE_KINDS, 6),
+}
 
 
 class LimitBalls(NamedTuple):
@@ -64,15 +66,15 @@ def limit_balls(
         A point of the platform, exact doubles, in length units.
     """
     with flint.ctx.workprec(PRECISION):
-        R = exact_rotation([arb(part) for part in quaternion])
+        R = _rotation(quaternion)
         centre = [arb(part) for part in pivot]
-        degree = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
+        degree = _radians(instance)
         rows, cones = instance.constraints, joint_cones(instance)
         vectors = [_vectors(row, R, centre) for row in rows]
         ranges = [_range(row, degree) for row in rows]
         axes, cosines = [], []
         for joint in cones:
-            axis = _unit([number.ball() for number in joint.cone.axis])
+            axis = _unit(joint.cone.axis)
             axes.append(_pairs(axis if joint.body == "base" else rotated(R, axis)))
             cosines.append(as_pair((joint.cone.half_angle.ball() * degree).cos()))
     return LimitBalls(
@@ -87,16 +89,14 @@ def limit_balls(
     )
 
 
-def exact_rotation(q: Sequence[arb]) -> list[list[arb]]:
-    """Return the matrix of a quaternion of any length, scalar first."""
-    w, x, y, z = q
-    size = w * w + x * x + y * y + z * z
-    rows = [
-        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
-    ]
+def _rotation(quaternion: Sequence[float]) -> list[list[arb]]:
+    """Return the matrix of a quaternion of any length, scalar first, in balls."""
+    size, rows, _ = study.motion([arb(part) for part in (*quaternion, 0, 0, 0, 0)])
     return [[entry / size for entry in row] for row in rows]
+
+
+def _radians(instance: Instance) -> arb:
+    return arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
 
 
 def _vectors(
@@ -114,15 +114,13 @@ def _vectors(
 
 
 def _direction(geometry: Geometry) -> list[arb]:
-    if isinstance(geometry, Point):
-        return [arb(0)] * 3
-    exact = geometry.normal if hasattr(geometry, "normal") else geometry.direction
-    return _unit([number.ball() for number in exact])
+    return [arb(0)] * 3 if isinstance(geometry, Point) else _unit(geometry.vector)
 
 
-def _unit(vector: list[arb]) -> list[arb]:
-    size = norm(vector)
-    return [part / size for part in vector]
+def _unit(vector: Sequence[Number]) -> list[arb]:
+    balls = [number.ball() for number in vector]
+    size = norm(balls)
+    return [part / size for part in balls]
 
 
 def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
@@ -132,18 +130,18 @@ def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
     low, high = row.limits
     kind = row.kind
     if not kind.is_distance:
-        # An angle at an end of its range is no limit.
-        ends = (0, 180) if kind in (ALL, AHH) else (-90, 90)
+        # An angle at an end of its range is no limit. Cosines fall, unless their sign is changed.
+        law = kind.law
+        least, most = (0, 180) if law.is_cosine else (-90, 90)
         first, last = (
-            None if _is(number, end, degree) else number.ball() * degree
-            for number, end in zip(row.limits, ends, strict=True)
+            None
+            if _is(number, end, degree)
+            else law.sign * (angle.cos() if law.is_cosine else angle.sin())
+            for number, end in ((low, least), (high, most))
+            for angle in [number.ball() * degree]
         )
-        if kind is ALL:
-            first, last = (None if a is None else a.cos() for a in (last, first))
-        elif kind is AHH:
-            first, last = (None if a is None else -a.cos() for a in (first, last))
-        else:
-            first, last = (None if a is None else a.sin() for a in (first, last))
+        if law is Law.COSINE:
+            first, last = last, first
     elif kind.has_sides:
         first, last = low.ball(), high.ball()
         if row.side is Side.NEGATIVE:
@@ -215,9 +213,9 @@ def drive_balls(
     if not driven:
         return None
     with flint.ctx.workprec(PRECISION):
-        R = exact_rotation([arb(part) for part in quaternion])
+        R = _rotation(quaternion)
         centre = [arb(part) for part in pivot]
-        degree = arb.pi() / 180 if instance.units.angle is AngleUnit.DEGREE else arb(1)
+        degree = _radians(instance)
         numbers = [_drive_numbers(one, instance.constraints[k], degree) for k, one in driven]
         vectors = [
             _drive_vectors(one, R, centre, ends)
@@ -256,7 +254,7 @@ def _drive_vectors(
     point = [number.ball() for number in one.point.position]
     nothing = [arb(0)] * 3
     if isinstance(one.drive, Crank):
-        axis = _unit([number.ball() for number in one.drive.axis])
+        axis = _unit(one.drive.axis)
         centre = [number.ball() for number in one.drive.centre]
         arm = [a - b for a, b in zip(point, centre, strict=True)]
         height = dot(axis, arm)
@@ -264,7 +262,7 @@ def _drive_vectors(
         across = [a - b for a, b in zip(point, middle, strict=True)]
         beside = cross(axis, across)
     else:
-        axis = _unit([number.ball() for number in one.drive.direction])
+        axis = _unit(one.drive.direction)
         middle, across, beside = point, axis, nothing
 
     def place(q: arb | None) -> _Vector:

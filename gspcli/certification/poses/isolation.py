@@ -74,24 +74,6 @@ def all_different(entries: NDArray[np.complex128], deviations: NDArray[np.float6
     return True
 
 
-@np.errstate(all="ignore")
-def are_different(
-    entries: NDArray[np.complex128], deviations: NDArray[np.float64]
-) -> NDArray[np.bool_]:
-    """Whether a linear form proves all poses different, for each of many sets of them, (b,).
-
-    Parameters
-    ----------
-    entries, deviations
-        As for `all_different`, shapes (b, n, 12) and (b, n).
-    """
-    low, high = _intervals(entries, deviations)
-    order = low.argsort(axis=1)
-    low, high = (np.take_along_axis(x, order, axis=1) for x in (low, high))
-    # What is not a number proves nothing.
-    return np.asarray((high[:, :-1] < low[:, 1:]).all(axis=1) & np.isfinite(high - low).all(axis=1))
-
-
 def _intervals(
     entries: NDArray[np.complex128], deviations: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

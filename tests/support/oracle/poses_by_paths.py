@@ -8,6 +8,7 @@ from dataclasses import replace
 from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.systems import System
@@ -16,14 +17,16 @@ from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.quaternions import (
     canonical_sign,
-    find_real_points,
     made_real,
+    normalized,
     quaternion_from_rotation,
     unit_quaternion,
 )
 from gspcli.solver.poses import PoseSet
 from gspcli.solver.study_systems import target_systems
 from tests.support.oracle.parallel_ends import judge_parallel_lines, polish_parallel_lines
+
+Complex = NDArray[np.complex128]
 
 
 def solve_by_tracking(arrangement: Arrangement, *, seed: int) -> PoseSet:
@@ -77,10 +80,24 @@ def track_platforms(
         yield arrangement, [first, *islice(tracked, count - 1)]
 
 
+def real_points(points: Complex) -> tuple[Complex, NDArray[np.bool_]]:
+    """Return points of norm one, real ones exactly real, and which are real.
+
+    A point is real if no other one of the set is nearer to its conjugate.
+    """
+    z = normalized(points)
+    products = z.conj() @ z.conj().T
+    phases = products / np.where(products == 0, 1, np.abs(products))
+    gaps = np.linalg.norm(z.conj()[:, None] - phases.T[..., None] * z, axis=2)
+    real = np.diag(gaps) <= gaps.min(axis=1, initial=np.inf)
+    z[real] = made_real(z[real])
+    return z, real
+
+
 def poses_by_paths(arrangement: Arrangement, tracked: Sequence[TrackedPaths]) -> PoseSet:
     """Return where the paths for all sides end, by numerical path tracking alone."""
     results = [tracked_paths.solutions() for tracked_paths in tracked]
-    pairs = [find_real_points(result.points) for result in results]
+    pairs = [real_points(result.points) for result in results]
     points = np.concatenate([representatives for representatives, _ in pairs])
     real = np.concatenate([real for _, real in pairs])
     multiplicity = np.concatenate([result.multiplicity for result in results])

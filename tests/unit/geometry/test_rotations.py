@@ -16,6 +16,7 @@ from gspcli.geometry.quaternions import (
     apply,
     conjugate,
     dot,
+    made_real,
     pose_from_study,
     quaternion_from_rotation,
     quaternion_product,
@@ -259,3 +260,7 @@ def test_headings_say_their_order_once_and_yield_to_another(heading, order, word
 def test_three_letters_without_a_position_are_no_turns():
     with pytest.raises(GspError, match="expected x y z"):
         read_poses("u,v,w,qw,qx,qy,qz\n1,2,3,1,0,0,0\n", "f", PoseFormat())
+
+
+def test_real_points_have_real_representatives_of_norm_one():
+    np.testing.assert_allclose(made_real(np.array([1j, 3j])), np.array([1, 3]) / np.sqrt(10))
