@@ -108,7 +108,9 @@ class _Measured:
             yield self.folded
             yield self._squeezed(kept, comfortable, width)
             for k in dispensable:
-                kept.remove(k)
+                # Half of the coordinates of a point, or of the values, say nothing.
+                same = [j for j in dispensable if columns[j].meaning == columns[k].meaning != ""]
+                kept = [j for j in kept if j not in (k, *same)]
                 yield self._squeezed(kept, comfortable, width)
         else:
             kept = [k for k in kept if k not in dispensable]

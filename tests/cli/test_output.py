@@ -337,6 +337,14 @@ def test_what_matters_least_goes_first() -> None:
     assert lay_out(table, 3) is None
 
 
+def test_columns_of_one_meaning_go_together() -> None:
+    point = [Field(k * 4, meaning="a coordinate") for k in "xyz"]
+    table = Result([Field("aaaa", essential=True), *point, Field("bbbb", minor=-1)], [{}])
+    grid = lay_out(table, 24)
+    assert grid is not None
+    assert [column.key for column in grid.columns] == ["aaaa", "bbbb"]
+
+
 def test_headings_and_prose_are_folded_at_blanks() -> None:
     table = Result(
         [Field("n", "how many", align="right"), Field("why", fold=" "), Field("l", fold=", ")],
