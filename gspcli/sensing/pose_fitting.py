@@ -6,7 +6,7 @@ Least squares of more than six measurements find each pose that fits, and the ou
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -127,9 +127,10 @@ class ReadingFit(EqualByContent):
 
         frame = pd.DataFrame(self.rows(), columns=["number", "off", "fits"])
         for reading, read in zip(self.readings, self.expected, strict=True):
-            names = ("",) if read.shape[1] == 1 else (" rx", " ry")
-            for name, column in zip(names, read.T, strict=True):
-                frame[f"{reading.sensor}{name}"] = column
+            names = [str(reading.sensor)] if read.shape[1] == 1 else [
+                f"{reading.sensor} rx", f"{reading.sensor} ry"
+            ]  # fmt: skip
+            frame[names] = read
         return frame
 
     def to_json(self) -> dict[str, Any]:
@@ -158,16 +159,7 @@ class ReadingFit(EqualByContent):
 def parsed_readings(
     instance: Instance, readings: Sequence[str | SensorReading], *, repeated: bool = False
 ) -> list[SensorReading]:
-    """Return readings that are given as texts or as such.
-
-    Parameters
-    ----------
-    instance
-        The platform of their names.
-    readings
-        One, or several.
-    repeated
-        Whether they may be those of constraints, too.
+    """Return readings, at least one, that are given as texts or as such; as `parse_reading`.
 
     Raises
     ------
@@ -179,14 +171,13 @@ def parsed_readings(
         raise ArgumentError("found none, expected at least one", "readings")
     parsed: list[SensorReading] = []
     for k, one in enumerate(given):
-        if isinstance(one, SensorReading):
-            parsed.append(one)
-            continue
         try:
-            parsed.append(parse_reading(one, instance, repeated=repeated))
+            parsed.append(
+                parse_reading(one, instance, repeated=repeated) if isinstance(one, str) else one
+            )
         except ArgumentError as error:
-            message = f"readings[{k}], {error.where}" if error.where else f"readings[{k}]"
-            raise ArgumentError(error.message, message) from None
+            where = f", {error.where}" if error.where else ""
+            raise ArgumentError(error.message, f"readings[{k}]{where}") from None
     return parsed
 
 
@@ -230,6 +221,8 @@ def fit_readings(result: SolveResult, readings: Sequence[str | SensorReading]) -
     return ReadingFit(result, tuple(parsed), expected, off)
 
 
+#: How many constraints there are, and how many of them can be angles.
+_CONSTRAINTS, _MOST_ANGLES = 6, 3
 #: The step of central differences, of which the error is least: the cube root of rounding.
 _STEP = 6e-6
 
@@ -260,13 +253,18 @@ class PoseNumbers:
         """What the measurements are called: ``value 1`` to ``value 6``, and the sensors."""
         return (*(f"value {k}" for k in range(1, 7)), *(str(one.sensor) for one in self.readings))
 
+    @cached_property
+    def _counted(self) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """The measurement of each number, and which numbers count."""
+        counts = [1] * _CONSTRAINTS + [len(one.values) for one in self.readings]
+        owners = np.repeat(np.arange(len(counts)), counts)
+        return owners, ~np.isin(owners, list(self.left_out))
+
     @property
     def owners(self) -> NDArray[np.int64]:
         """The measurement of each number, shape (m,): an inclinometer has two numbers."""
-        counts = [1] * 6 + [len(one.values) for one in self.readings]
-        kept = [k not in self.left_out for k in range(len(counts))]
-        owners = np.repeat(np.arange(len(counts)), counts)
-        return np.asarray(owners[np.array(kept)[owners]])
+        owners, kept = self._counted
+        return owners[kept]
 
     @property
     def sizes(self) -> Array:
@@ -283,7 +281,7 @@ class PoseNumbers:
         values = values_at(self.instance, R, T) * self._signs(R, T)
         measured = np.array([row.value.value for row in self.instance.constraints])
         parts = [(measured - values) / self.sigmas, *self._of_sensors(R, T)]
-        return self._kept(np.concatenate(parts, axis=-1), -1)
+        return np.concatenate(parts, axis=-1)[..., self._counted[1]]
 
     def slopes(self, R: Array, T: Array) -> Array:
         """Return the derivatives of expected numbers by a twist, shape (n, m, 6).
@@ -304,7 +302,8 @@ class PoseNumbers:
                 for turn, shift in ((step[:3], step[3:]), (-step[:3], -step[3:]))
             ]
             columns.append((ends[1] - ends[0]) / (2 * size))
-        return self._kept(np.concatenate((values, np.stack(columns, axis=-1)), axis=1), 1)
+        found = np.concatenate((values, np.stack(columns, axis=-1)), axis=1)
+        return np.asarray(found[:, self._counted[1]])
 
     def _signs(self, R: Array, T: Array) -> Array:
         """Return factors, 1 or -1, that make stated distances of signed ones, shape (..., 6)."""
@@ -322,14 +321,6 @@ class PoseNumbers:
     def _of_sensors(self, R: Array, T: Array) -> list[Array]:
         """Return the residuals of readings, each (..., k)."""
         return [_apart(self.instance, one, R, T) / one.sigma for one in self.readings]
-
-    def _kept(self, numbers: Array, axis: int) -> Array:
-        """Return numbers without those of measurements that are left out."""
-        if not self.left_out:
-            return numbers
-        whole = replace(self, left_out=frozenset())
-        kept = [k for k, owner in enumerate(whole.owners.tolist()) if owner not in self.left_out]
-        return np.take(numbers, kept, axis=axis)
 
 
 def _apart(instance: Instance, one: SensorReading, R: Array, T: Array) -> Array:
@@ -370,39 +361,24 @@ def value_sigmas(instance: Instance, sigma: Mapping[str, float]) -> Array:
     ArgumentError
         If a name or number is wrong, or nothing is known of a constraint.
     """
-    numbers = [str(k) for k in range(1, len(instance.constraints) + 1)]
+    rows = dict(enumerate(instance.constraints, 1))
     for name, deviation in sigma.items():
-        if name not in ("value", "angle", *numbers):
+        if name not in ("value", "angle", *map(str, rows)):
             message = f"found {shown(name)}, expected value, angle or the number of a constraint"
             raise ArgumentError(message, "sigma")
         if not 0 < deviation < math.inf:
             message = f"found {deviation:g}, expected a standard deviation above 0"
             raise ArgumentError(message, f"sigma[{name!r}]")
-    found: list[float] = []
-    unknown: list[str] = []
-    for number, row in zip(numbers, instance.constraints, strict=True):
-        sort = "value" if row.kind.is_distance else "angle"
-        stated = sigma.get(number, sigma.get(sort))
-        if stated is None and row.tolerance is not None and row.tolerance.value > 0:
-            stated = row.tolerance.value
-        if stated is None:
-            unknown.append(number)
-        found.append(stated or math.nan)
-    if unknown:
-        sorts = dict.fromkeys(
-            "value" if row.kind.is_distance else "angle"
-            for number, row in zip(numbers, instance.constraints, strict=True)
-            if number in unknown
-        )
-        how = listed((f"{sort}=NUMBER" for sort in sorts), "and")
+    sorts = {k: "value" if row.kind.is_distance else "angle" for k, row in rows.items()}
+    tolerances = {k: row.tolerance.value if row.tolerance else 0.0 for k, row in rows.items()}
+    found = [sigma.get(str(k), sigma.get(sorts[k], tolerances[k])) for k in rows]
+    if unknown := [k for k, deviation in zip(rows, found, strict=True) if not deviation]:
+        how = listed((f"{sort}=NUMBER" for sort in dict.fromkeys(sorts[k] for k in unknown)), "and")
         raise ArgumentError(
-            f"nothing says how exact the values {listed(unknown, 'and')} are: give --sigma {how}, "
-            "or `tolerance` in the file"
+            f"nothing says how exact the values {listed(map(str, unknown), 'and')} are: give "
+            f"--sigma {how}, or `tolerance` in the file"
         )
     return np.array(found)
-
-
-_CONSTRAINTS, _MOST_ANGLES = 6, 3
 
 
 @dataclass(frozen=True)
@@ -460,19 +436,7 @@ def next_choice(
 ) -> list[CandidateMeasurement] | None:
     """Return six candidates that determine a pose well, those that were used least before others.
 
-    Parameters
-    ----------
-    candidates
-        All of them.
-    slopes
-        Derivatives of the numbers of the fit by a twist, scaled, at one pose, shape (m, 6).
-    used
-        How often each candidate was in a choice.
-
-    Returns
-    -------
-    list
-        None if no six of them determine the pose.
+    Slopes are derivatives of the numbers by a twist, scaled, (m, 6); None if no six determine it.
     """
     rows = slopes[[one.number for one in candidates]]
     rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
@@ -649,54 +613,56 @@ class PoseFit(Tabular):
             "there are no others",
         ]
         if self.without is not None:
-            lines += self._outlier(self.without)
+            lines.append(self._outlier(self.without))
         return lines
 
-    def _outlier(self, without: Without) -> list[str]:
-        """Return which measurement is the outlier, in sentences."""
-        names, size = self.numbers.names, self.poses[0].measurement_sizes
-        worst = without.measurement
+    def _outlier(self, without: Without) -> str:
+        """Return which measurement is the outlier, in a sentence."""
+        names, worst, pose = self.numbers.names, without.measurement, without.pose
+        size = f"studentised residual {self.poses[0].measurement_sizes[worst]:.3g}"
         if without.alike:
             others = listed((names[k] for k in without.alike), "and")
-            return [
+            return (
                 f"one measurement is wrong, and the data do not show which: {names[worst]} or "
-                f"{others} (studentised residual {size[worst]:.3g}); more readings would tell"
-            ]
-        pose = without.pose
-        what = f"the outlier is {names[worst]} (studentised residual {size[worst]:.3g}): without it"
-        if pose.fits:
-            said = f"chi-squared is {pose.chi_squared:.4g} of {pose.freedom}"
-            return [f"{what} {said}, probability {pose.probability:.2g}"]
+                f"{others} ({size}); more readings would tell"
+            )
         said = f"{pose.chi_squared:.4g} of {pose.freedom}"
-        return [
-            f"{names[worst]} agrees least (studentised residual {size[worst]:.3g}), but without it "
-            f"chi-squared is still {said}: more than one measurement is wrong"
-        ]
+        if pose.fits:
+            return (
+                f"the outlier is {names[worst]} ({size}): without it chi-squared is {said}, "
+                f"probability {pose.probability:.2g}"
+            )
+        return (
+            f"{names[worst]} agrees least ({size}), but without it chi-squared is still {said}: "
+            "more than one measurement is wrong"
+        )
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the poses as rows of plain data."""
-        found = []
         unit = self.numbers.instance.units.angle.in_radians
+        keys = ("Tx", "Ty", "Tz", "qw", "qx", "qy", "qz")
+        found = []
         for number, pose in enumerate(self.poses, 1):
-            row: dict[str, Any] = {"number": number}
-            row |= dict(zip(("Tx", "Ty", "Tz"), pose.T.tolist(), strict=True))
-            turn = quaternion_from_rotation(pose.R).tolist()
-            row |= dict(zip(("qw", "qx", "qy", "qz"), turn, strict=True))
+            numbers = [*pose.T.tolist(), *np.asarray(quaternion_from_rotation(pose.R)).tolist()]
+            row = {"number": number, **dict(zip(keys, numbers, strict=True))}
             row |= {"chi_squared": pose.chi_squared, "probability": pose.probability}
             row |= {"sigma_T": float(pose.sigma[3:].max())}
-            row |= {"sigma_turn": float(pose.sigma[:3].max()) / unit, "fits": pose.fits}
-            found.append(row)
+            found.append(
+                row | {"sigma_turn": float(pose.sigma[:3].max()) / unit, "fits": pose.fits}
+            )
         return found
 
     def to_json(self) -> dict[str, Any]:
         """Return all of it as plain data."""
-        names = self.numbers.names
-        without = self.without
+        names, numbers, without = self.numbers.names, self.numbers, self.without
+        values = [[row.value.value] for row in numbers.instance.constraints]
+        values += [list(one.values) for one in numbers.readings]
+        sigmas = [*numbers.sigmas.tolist(), *(one.sigma for one in numbers.readings)]
         return {
             "freedom": self.poses[0].freedom if self.poses else 0,
             "measurements": [
-                {"name": name, "values": values, "sigma": sigma}
-                for name, (values, sigma) in zip(names, self._measured(), strict=True)
+                {"name": name, "values": given, "sigma": sigma}
+                for name, given, sigma in zip(names, values, sigmas, strict=True)
             ],
             "choices": [[names[k] for k in choice] for choice in self.choices],
             "starts": self.starts,
@@ -710,13 +676,6 @@ class PoseFit(Tabular):
                 "without": self._of(without.pose),
             },
         }
-
-    def _measured(self) -> Iterator[tuple[list[float], float]]:
-        numbers = self.numbers
-        for row, sigma in zip(numbers.instance.constraints, numbers.sigmas.tolist(), strict=True):
-            yield [row.value.value], sigma
-        for one in numbers.readings:
-            yield list(one.values), one.sigma
 
     def _of(self, pose: FittedPose) -> dict[str, Any]:
         unit = self.numbers.instance.units.angle.in_radians

@@ -1,8 +1,7 @@
 """Which additional sensor distinguishes the real modes of a platform: the pair that is worst.
 
 Two modes whose readings differ by d standard deviations of the sensor are confused with the
-probability Phi(-d / 2) if the nearer one is taken. Sensors that are read together have independent
-errors: their differences add up as squares.
+probability Phi(-d / 2) if the nearer one is taken.
 """
 
 from __future__ import annotations
@@ -207,47 +206,6 @@ def _of_block(
 
 
 @dataclass(frozen=True, eq=False)
-class BestPair:
-    """The two sensors that together distinguish modes best, and their `least`, shape (n,)."""
-
-    sensors: tuple[int, int]
-    least: Array
-
-
-def best_pair(
-    blocks: Sequence[ModeSets], sensors: Sequence[Sensor], sigmas: Array, need: float, told: Flags
-) -> BestPair | None:
-    """Return the two sensors that suffice for most of the sets; None if there are fewer.
-
-    Of several pairs the one with the largest mean of the worst difference is taken, where
-    differences above ten times the need count as that; then the one with the largest mean without
-    this limit.
-    """
-    if len(sensors) < 2:
-        return None
-    parts = [_of_pairs(sets.differences(sensors, sigmas)) for sets in blocks]
-    least = np.concatenate(parts, axis=1)
-    known = least[:, told]
-    share = (known >= need).sum(axis=1)
-    means = [
-        np.round(part.mean(axis=1), _DECIMALS) for part in (known, np.minimum(known, 10 * need))
-    ]
-    best = int(np.lexsort((-means[0], -means[1], -share))[0])
-    first, second = np.triu_indices(len(sensors), 1)
-    return BestPair((int(first[best]), int(second[best])), least[best])
-
-
-def _of_pairs(apart: Array) -> Array:
-    """Return the least difference of each two sensors, shape (pairs of sensors, b)."""
-    squares = apart**2
-    rows = [
-        np.sqrt((squares[k] + squares[k + 1 :]).min(axis=2, initial=np.inf))
-        for k in range(len(squares) - 1)
-    ]
-    return np.concatenate(rows)
-
-
-@dataclass(frozen=True, eq=False)
 class SensorResult(Tabular):
     """How well one additional sensor distinguishes the real modes of a platform.
 
@@ -270,8 +228,6 @@ class SensorResult(Tabular):
         Whether only modes on the side of home count.
     separations
         The differences for each sensor at each set.
-    pair
-        The best pair of sensors, if no sensor suffices for all sets; else None.
     """
 
     instance: Instance
@@ -282,11 +238,9 @@ class SensorResult(Tabular):
     need: float
     known_side: bool
     separations: Separations
-    pair: BestPair | None
 
     def __post_init__(self) -> None:
-        arrays = [self.values, self.sigmas, *vars(self.separations).values()]
-        for array in arrays if self.pair is None else [*arrays, self.pair.least]:
+        for array in (self.values, self.sigmas, *vars(self.separations).values()):
             if array is not None:
                 array.setflags(write=False)
 
@@ -387,20 +341,8 @@ class SensorResult(Tabular):
             "known_side": self.known_side,
             "suffices": self.suffices,
             "sensors": self.rows(),
-            "pair": self.pair_json(),
             "closest": self.closest_json(),
             "version": __version__,
-        }
-
-    def pair_json(self) -> dict[str, Any] | None:
-        """Return the two sensors that are best together; None if one suffices."""
-        if self.pair is None:
-            return None
-        told = self.pair.least[self.told]
-        return {
-            "sensors": [str(self.sensors[k]) for k in self.pair.sensors],
-            "least": float(told.min()),
-            "share": float((told >= self.need).mean()),
         }
 
     def closest_json(self) -> dict[str, Any] | None:
@@ -490,7 +432,7 @@ def sensors(
     if known_side:
         side = _home_side(instance, seed, jobs)
         blocks = [block.on_side(side) for block in blocks]
-    found = SensorResult(
+    return SensorResult(
         instance=instance,
         values=rows,
         sensors=tuple(chosen),
@@ -499,11 +441,7 @@ def sensors(
         need=float(need),
         known_side=known_side,
         separations=separations(blocks, chosen, deviations),
-        pair=None,
     )
-    if found.suffices:
-        return found
-    return replace(found, pair=best_pair(blocks, chosen, deviations, need, found.told))
 
 
 def default_sigmas(instance: Instance) -> dict[str, float]:

@@ -64,8 +64,7 @@ def command(o: options.Options) -> None:
 
     All real modes are found, and the reading of each sensor at each of them. Sensors are one more
     leg between joints, an angle of a joint, and an inclinometer. A sensor is judged by the two
-    modes whose readings are nearest, in standard deviations of the sensor. If no sensor suffices,
-    the best two together are named.
+    modes whose readings are nearest, in standard deviations of the sensor.
 
     If the joints of either body lie in a plane, modes come in mirror images, and no leg between
     the planes tells them apart: --known-side leaves out those on the other side of the base. Near
@@ -207,24 +206,16 @@ def _summary(result: SensorResult) -> list[str]:
 
 
 def _answer(result: SensorResult) -> str:
-    """Say which sensor suffices, or which two."""
+    """Say which sensor suffices, or how far the best goes."""
     best = result.best
     assert best is not None
     name, share = result.sensors[best], result.shares[best]
     least = result.separations.least[best, result.told].min()
-    several = result.values is not None
     if share == 1:
         return f"one more sensor suffices: {name}, {_apart(least)} at least"
+    several = result.values is not None
     where = f"in {_percent(share)} of these sets" if several else f"only {_apart(least)}"
-    text = f"no single sensor suffices; best is {name}, {where}"
-    pair = result.pair_json()
-    if pair is None:
-        return text
-    both = " and ".join(pair["sensors"])
-    if pair["share"] == 1:
-        return f"{text}; two do: {both}, {_apart(pair['least'])} at least"
-    where = f"in {_percent(pair['share'])}" if several else f"only {_apart(pair['least'])}"
-    return f"{text}; of two {both}, {where}"
+    return f"no single sensor suffices; best is {name}, {where}"
 
 
 def _apart(least: float) -> str:
