@@ -480,6 +480,10 @@ class Guide(ABC):
         """Return a corner within the ranges, rounded."""
         return corner
 
+    def widen(self, corners: Array) -> None:
+        """Set how far values without a range may be moved, by those of a path."""
+        del corners
+
     def unproved(self, corners: Array, rows: NDArray[np.int64]) -> tuple[Array, Array] | None:
         """Return poses along a polygon without a proof; None if they are found by following."""
         del corners, rows

@@ -47,9 +47,10 @@ from __future__ import annotations
 
 import heapq
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -378,235 +379,6 @@ _SOLVED = 1e-6
 _LOOKS = 12
 
 
-class PoseMap:
-    """A map of poses of one platform.
-
-    Parameters
-    ----------
-    ways
-        Straight ways of the platform.
-    R, T
-        The poses that are to be joined, shapes (n, 3, 3) and (n, 3): nodes 0 to n - 1.
-    classes
-        A class for each; nodes of different classes are never joined.
-    class_of
-        The class of a pose (R, T).
-    seed
-        Of the random poses.
-    kept
-        Whether poses keep the limits, ``(n, 3, 3), (n, 3) -> (n,)``.
-    """
-
-    def __init__(
-        self,
-        ways: PoseWays,
-        R: Array,
-        T: Array,
-        classes: Sequence[object],
-        class_of: Callable[[Array, Array], object],
-        *,
-        seed: int,
-        kept: Callable[[Array, Array], Any] | None = None,
-    ) -> None:
-        self.ways, self._class_of, self._kept = ways, class_of, kept
-        # Rods that share a drive are parallel at one orientation only.
-        self._keeps_turn = ways.machine.shared
-        self.arrangement = Arrangement.of(ways.boxes.instance)
-        self.nodes = [*ways.parameters(R, T)]
-        self.classes = list(classes)
-        self.connections = Connections()
-        self._costs = WayCosts(ways.boxes.instance)
-        self._costs.add(*ways.poses(np.array(self.nodes)))
-        for _ in self.nodes:
-            self.connections.add()
-        self.count = len(self.nodes)
-        self._random = np.random.default_rng(seed)
-        self._signs = [float(np.sign(d)) for d in self.determinants(np.array(self.nodes)).tolist()]
-        places = np.array(self.nodes)[:, :3]
-        self._span = float(np.ptp(places, axis=0).max()) + self.arrangement.length
-        self._refused: set[tuple[int, int]] = set()
-        #: Ways that were tried and refused.
-        self.refused = 0
-
-    def determinants(self, parameters: Array) -> Array:
-        """Return determinants of J with rows of norm one, about the pivot, ``(n, 6) -> (n,)``."""
-        length = self.arrangement.length
-        R, T = self.ways.poses(parameters)
-        with np.errstate(all="ignore"):
-            rows = jacobian(self.ways.arrangement(R, T), R, T)
-            offset = apply(R, np.broadcast_to(self.ways.pivot, T.shape))[..., None, :]
-            rows[..., :3] -= cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
-            rows[..., :3] /= length
-            rows /= np.linalg.norm(rows, axis=-1, keepdims=True)
-            finite = np.isfinite(rows).all(axis=(-1, -2))
-            found = np.linalg.det(np.where(np.asarray(finite)[..., None, None], rows, 0.0))
-        return np.asarray(found, float)
-
-    def way(self, first: int, last: int) -> list[Array] | None:
-        """Return the parameters along a proved way between two nodes; None if there is none.
-
-        Each is continued from the one before: angles by whole turns.
-        """
-        nodes = self.connections.way(first, last)
-        if nodes is None:
-            return None
-        found = [self.nodes[nodes[0]]]
-        for node in nodes[1:]:
-            found.append(self.ways.nearest(found[-1], self.nodes[node]))
-        return found
-
-    def refuse_on_way(self, first: int, last: int, proved: Callable[[Array], bool]) -> None:
-        """Remove the first edge of a way that ``proved`` does not accept; if none, its first."""
-        nodes = self.connections.way(first, last)
-        assert nodes is not None
-        for a, b in pairwise(nodes):
-            begin = self.nodes[a]
-            if not proved(np.stack((begin, self.ways.nearest(begin, self.nodes[b])))):
-                self._refuse(a, b)
-                return
-        # Each is proved alone, and all of them together are not: by angles that are continued.
-        self._refuse(nodes[0], nodes[1])
-
-    def _refuse(self, a: int, b: int) -> None:
-        self._refused.add((min(a, b), max(a, b)))
-        self.connections.remove(a, b)
-
-    def join_given(self) -> None:
-        """Try the straight ways between all given poses."""
-        for k in range(self.count):
-            self._climb(k)
-        pairs = [(i, j) for i in range(self.count) for j in range(i)]
-        self._join(pairs)
-        tops = list(range(self.count, len(self.nodes)))
-        self._join([(i, j) for i in tops for j in range(len(self.nodes)) if j < i])
-
-    def grow(self) -> None:
-        """Add a random pose and join it."""
-        k = self._new(self._drawn())
-        if k is None:
-            return
-        old = [i for i in range(k) if self._alike(i, k)]
-        if not old:
-            return
-        shuffled = self._random.permutation(len(old))
-        old = [old[i] for i in shuffled.tolist()]
-        far = self._distances(k, old)
-        near = [old[i] for i in np.argsort(far, kind="stable")[:_NEIGHBOURS].tolist()]
-        given = [i for i in range(self.count) if self._alike(i, k) and i not in near]
-        self._join([(i, k) for i in [*near, *given[:_PARTS], *old[:_OTHERS]]])
-
-    def _drawn(self) -> Array:
-        draw = self._random
-        base = self.nodes[int(draw.integers(self.count))]
-        away = np.concatenate((draw.normal(size=3) * self._span * _FAR, draw.normal(size=3)))
-        one: Array = base.copy()
-        one[:3] += away[:3]
-        if self._keeps_turn:
-            return one
-        if draw.integers(10) < _NEARBY:
-            one[3:] += away[3:] * _TURN
-        else:
-            one[3:] = draw.uniform(-np.pi, np.pi, size=3)
-        return one
-
-    def _new(self, parameters: Array) -> int | None:
-        """Add a pose unless it is singular or violates a limit; return its number."""
-        digits = _DIGITS - int(np.floor(np.log10(self._span)))
-        turn = parameters[3:] if self._keeps_turn else parameters[3:].round(_DIGITS)
-        one = np.concatenate((parameters[:3].round(digits), turn))
-        R, T = self.ways.poses(one)
-        if self._kept is not None and not self._kept(R[None], T[None])[0]:
-            return None
-        d = float(self.determinants(one[None])[0])
-        if not d:
-            return None
-        self.nodes.append(one)
-        self.classes.append(self._class_of(R, T))
-        self._signs.append(float(np.sign(d)))
-        self._costs.add(R[None], T[None])
-        return self.connections.add()
-
-    def _alike(self, i: int, j: int) -> bool:
-        return self._signs[i] == self._signs[j] and not _apart(self.classes[i], self.classes[j])
-
-    def _distances(self, k: int, others: list[int]) -> Array:
-        there = np.array([self.nodes[i] for i in others])
-        away = self.ways.nearest(self.nodes[k], there) - self.nodes[k]
-        size = np.array([self._span] * 3 + [1.0] * 3)
-        return np.asarray(np.linalg.norm(away / size, axis=1))
-
-    def _join(self, pairs: list[tuple[int, int]]) -> None:
-        """Prove ways between nodes that are not joined yet."""
-        open_ = [
-            (i, j)
-            for i, j in pairs
-            if self._alike(i, j)
-            and not self._joined(i, j)
-            and (min(i, j), max(i, j)) not in self._refused
-        ]
-        if not open_:
-            return
-        begins = np.array([self.nodes[i] for i, _ in open_])
-        ends = self.ways.nearest(begins, np.array([self.nodes[j] for _, j in open_]))
-        for (i, j), begin, end, good in zip(
-            open_, begins, ends, self._sampled(begins, ends), strict=True
-        ):
-            if good and not self._joined(i, j):
-                self._try(i, j, begin, end)
-
-    def _joined(self, i: int, j: int) -> bool:
-        return self.connections.joined(i, j)
-
-    def _try(self, i: int, j: int, begin: Array, end: Array) -> bool:
-        proof = self.ways.prove(begin, end)
-        if not proof.sign:
-            self.refused += 1
-            return False
-        self.connections.join(i, j, self._costs.between(i, j))
-        return True
-
-    def _sampled(self, begins: Array, ends: Array) -> NDArray[np.bool_]:
-        """Return which ways keep the sign of the determinant at samples, and the limits."""
-        parts = np.linspace(0, 1, _SAMPLES)[:, None]
-        between = begins[:, None] * (1 - parts) + ends[:, None] * parts
-        flat = between.reshape(-1, 6)
-        found = self.determinants(flat).reshape(len(begins), -1)
-        found = found * np.sign(found[:, :1])
-        good = found.min(axis=1) > _NEAR * np.minimum(found[:, 0], found[:, -1])
-        good &= np.abs(np.diff(found, axis=1)).max(axis=1) < 2 * np.abs(found).max(axis=1)
-        if self._kept is not None:
-            kept = self._kept(*self.ways.poses(flat)).reshape(len(begins), -1)
-            good &= kept.all(axis=1)
-        return np.asarray(good)
-
-    def _climb(self, k: int) -> None:
-        """From a pose that is nearly singular go to one that is less so, by proved steps."""
-        here, size = k, np.array([self._span] * 3 + [1.0] * 3)
-        for step in range(_STEPS):
-            best = abs(float(self.determinants(self.nodes[here][None])[0]))
-            if best > _FLAT:
-                return
-            width = 0.1 * 0.5 ** (step % 4)
-            tries = self.nodes[here] + self._random.normal(size=(_CLIMB_TRIES, 6)) * size * width
-            sizes = self.determinants(tries) * self._signs[here]
-            for one in np.argsort(-sizes, kind="stable")[:3].tolist():
-                if sizes[one] < 1.2 * best:
-                    break
-                new = self._new(tries[one])
-                if new is None:
-                    continue
-                begin, end = self.nodes[here], self.ways.nearest(self.nodes[here], self.nodes[new])
-                if self._sampled(begin[None], end[None])[0] and self._try(here, new, begin, end):
-                    here = new
-                    break
-
-
-def _apart(a: object, b: object) -> bool:
-    """Whether two classes are proved to differ."""
-    differs = getattr(a, "differs", None)
-    return differs is not None and differs(b) is not None
-
-
 class Connections:
     """Nodes 0, 1, ... with edges between them."""
 
@@ -674,7 +446,252 @@ class Connections:
         return found[::-1]
 
 
-class ValueMap:
+class Map(Connections, ABC):
+    """Poses joined by proved straight ways: nodes 0 to `count` - 1 are given, others random."""
+
+    def __init__(self, instance: Instance, count: int, seed: int) -> None:
+        super().__init__()
+        self.count = count
+        self._costs = WayCosts(instance)
+        self._random = np.random.default_rng(seed)
+        self._refused: set[tuple[int, int]] = set()
+
+    @abstractmethod
+    def join_given(self) -> None:
+        """Try the straight ways between the given poses."""
+
+    @abstractmethod
+    def grow(self) -> None:
+        """Add random poses and join them."""
+
+    @abstractmethod
+    def poses(self, nodes: Sequence[int]) -> tuple[Array, Array]:
+        """Return the poses (R, T) of nodes."""
+
+    @abstractmethod
+    def corners(self, nodes: Sequence[int]) -> Array:
+        """Return the polygon through nodes, as guides take it, shape (k, 6)."""
+
+    @abstractmethod
+    def guide(self, first: int, last: int) -> Guide:
+        """Return what proves polygons from one node to another."""
+
+    def refuse(self, first: int, last: int) -> None:
+        """Take an edge away for good, since it violates what else is required."""
+        self._refused.add((min(first, last), max(first, last)))
+        self.remove(first, last)
+
+    def unproved(self, nodes: Sequence[int]) -> tuple[int, int] | None:
+        """Return the first edge of a way that is not proved alone; None if all are."""
+        for a, b in pairwise(nodes):
+            if self.guide(a, b).trace(self.corners((a, b)), _ROWS) is None:
+                return a, b
+        return None
+
+    def all_joined(self, pairs: Iterable[tuple[int, int]]) -> bool:
+        """Whether both nodes of all pairs are joined."""
+        return all(self.joined(a, b) for a, b in pairs)
+
+
+class PoseMap(Map):
+    """A map of poses of one platform.
+
+    Parameters
+    ----------
+    guide
+        Proves straight ways of the platform.
+    R, T
+        The poses that are to be joined, shapes (n, 3, 3) and (n, 3): nodes 0 to n - 1.
+    class_of
+        The class of a pose (R, T); nodes of different classes are never joined.
+    seed
+        Of the random poses.
+    limited
+        Whether poses must keep the limits of the guide.
+    """
+
+    def __init__(
+        self,
+        guide: PoseGuide,
+        R: Array,
+        T: Array,
+        class_of: Callable[[Array, Array], PoseClass],
+        *,
+        seed: int,
+        limited: bool = False,
+    ) -> None:
+        self.ways, self._guide, self._class_of, self._limited = guide.ways, guide, class_of, limited
+        # Rods that share a drive are parallel at one orientation only.
+        self._keeps_turn = self.ways.machine.shared
+        self.arrangement = Arrangement.of(self.ways.instance)
+        super().__init__(self.ways.instance, len(T), seed)
+        self.nodes = [*self.ways.parameters(R, T)]
+        self.classes = [class_of(*pose) for pose in zip(R, T, strict=True)]
+        self._costs.add(*self.poses(range(len(T))))
+        for _ in self.nodes:
+            self.add()
+        self._signs = [float(np.sign(d)) for d in self.determinants(np.array(self.nodes)).tolist()]
+        places = np.array(self.nodes)[:, :3]
+        self._span = float(np.ptp(places, axis=0).max()) + self.arrangement.length
+        self._sizes = np.array([self._span] * 3 + [1.0] * 3)
+
+    def determinants(self, parameters: Array) -> Array:
+        """Return determinants of J with rows of norm one, about the pivot, ``(n, 6) -> (n,)``."""
+        length = self.arrangement.length
+        R, T = self.ways.poses(parameters)
+        with np.errstate(all="ignore"):
+            rows = jacobian(self.ways.arrangement(R, T), R, T)
+            offset = apply(R, np.broadcast_to(self.ways.pivot, T.shape))[..., None, :]
+            rows[..., :3] -= cross(np.broadcast_to(offset, rows[..., 3:].shape), rows[..., 3:])
+            rows[..., :3] /= length
+            rows /= np.linalg.norm(rows, axis=-1, keepdims=True)
+            finite = np.isfinite(rows).all(axis=(-1, -2))
+            found = np.linalg.det(np.where(np.asarray(finite)[..., None, None], rows, 0.0))
+        return np.asarray(found, float)
+
+    def poses(self, nodes: Sequence[int]) -> tuple[Array, Array]:
+        """Return the poses (R, T) of nodes."""
+        return self.ways.poses(np.array([self.nodes[k] for k in nodes]))
+
+    def corners(self, nodes: Sequence[int]) -> Array:
+        """Return the parameters of nodes, each continued from the one before, shape (k, 6)."""
+        found = [self.nodes[nodes[0]]]
+        for node in nodes[1:]:
+            found.append(self.ways.nearest(found[-1], self.nodes[node]))
+        return np.array(found)
+
+    def guide(self, first: int, last: int) -> PoseGuide:
+        """Return what proves polygons of poses."""
+        del first, last
+        return self._guide
+
+    def join_given(self) -> None:
+        """Try the straight ways between all given poses."""
+        for k in range(self.count):
+            self._climb(k)
+        pairs = [(i, j) for i in range(self.count) for j in range(i)]
+        self._join(pairs)
+        tops = list(range(self.count, len(self.nodes)))
+        self._join([(i, j) for i in tops for j in range(len(self.nodes)) if j < i])
+
+    def grow(self) -> None:
+        """Add a random pose and join it."""
+        k = self._new(self._drawn())
+        if k is None:
+            return
+        old = [i for i in range(k) if self._alike(i, k)]
+        if not old:
+            return
+        shuffled = self._random.permutation(len(old))
+        old = [old[i] for i in shuffled.tolist()]
+        far = self._distances(k, old)
+        near = [old[i] for i in np.argsort(far, kind="stable")[:_NEIGHBOURS].tolist()]
+        given = [i for i in range(self.count) if self._alike(i, k) and i not in near]
+        self._join([(i, k) for i in [*near, *given[:_PARTS], *old[:_OTHERS]]])
+
+    def _drawn(self) -> Array:
+        draw = self._random
+        base = self.nodes[int(draw.integers(self.count))]
+        away = np.concatenate((draw.normal(size=3) * self._span * _FAR, draw.normal(size=3)))
+        one: Array = base.copy()
+        one[:3] += away[:3]
+        if self._keeps_turn:
+            return one
+        if draw.integers(10) < _NEARBY:
+            one[3:] += away[3:] * _TURN
+        else:
+            one[3:] = draw.uniform(-np.pi, np.pi, size=3)
+        return one
+
+    def _new(self, parameters: Array) -> int | None:
+        """Add a pose unless it is singular or violates a limit; return its number."""
+        digits = _DIGITS - int(np.floor(np.log10(self._span)))
+        turn = parameters[3:] if self._keeps_turn else parameters[3:].round(_DIGITS)
+        one = np.concatenate((parameters[:3].round(digits), turn))
+        R, T = self.ways.poses(one)
+        if self._limited and not self._guide.kept(R[None], T[None])[0]:
+            return None
+        d = float(self.determinants(one[None])[0])
+        if not d:
+            return None
+        self.nodes.append(one)
+        self.classes.append(self._class_of(R, T))
+        self._signs.append(float(np.sign(d)))
+        self._costs.add(R[None], T[None])
+        return self.add()
+
+    def _alike(self, i: int, j: int) -> bool:
+        return self._signs[i] == self._signs[j] and self.classes[i].differs(self.classes[j]) is None
+
+    def _distances(self, k: int, others: list[int]) -> Array:
+        there = np.array([self.nodes[i] for i in others])
+        away = self.ways.nearest(self.nodes[k], there) - self.nodes[k]
+        return np.asarray(np.linalg.norm(away / self._sizes, axis=1))
+
+    def _join(self, pairs: list[tuple[int, int]]) -> None:
+        """Prove ways between nodes that are not joined yet."""
+        open_ = [
+            (i, j)
+            for i, j in pairs
+            if self._alike(i, j)
+            and not self.joined(i, j)
+            and (min(i, j), max(i, j)) not in self._refused
+        ]
+        if not open_:
+            return
+        begins = np.array([self.nodes[i] for i, _ in open_])
+        ends = self.ways.nearest(begins, np.array([self.nodes[j] for _, j in open_]))
+        for (i, j), begin, end, good in zip(
+            open_, begins, ends, self._sampled(begins, ends), strict=True
+        ):
+            if good and not self.joined(i, j):
+                self._try(i, j, begin, end)
+
+    def _try(self, i: int, j: int, begin: Array, end: Array) -> bool:
+        proved = bool(self.ways.prove(begin, end).sign)
+        if proved:
+            self.join(i, j, self._costs.between(i, j))
+        return proved
+
+    def _sampled(self, begins: Array, ends: Array) -> NDArray[np.bool_]:
+        """Return which ways keep the sign of the determinant at samples, and the limits."""
+        parts = np.linspace(0, 1, _SAMPLES)[:, None]
+        between = begins[:, None] * (1 - parts) + ends[:, None] * parts
+        flat = between.reshape(-1, 6)
+        found = self.determinants(flat).reshape(len(begins), -1)
+        found = found * np.sign(found[:, :1])
+        good = found.min(axis=1) > _NEAR * np.minimum(found[:, 0], found[:, -1])
+        good &= np.abs(np.diff(found, axis=1)).max(axis=1) < 2 * np.abs(found).max(axis=1)
+        if self._limited:
+            kept = self._guide.kept(*self.ways.poses(flat)).reshape(len(begins), -1)
+            good &= kept.all(axis=1)
+        return np.asarray(good)
+
+    def _climb(self, k: int) -> None:
+        """From a pose that is nearly singular go to one that is less so, by proved steps."""
+        here = k
+        for step in range(_STEPS):
+            best = abs(float(self.determinants(self.nodes[here][None])[0]))
+            if best > _FLAT:
+                return
+            width = 0.1 * 0.5 ** (step % 4)
+            tries = (
+                self.nodes[here] + self._random.normal(size=(_CLIMB_TRIES, 6)) * self._sizes * width
+            )
+            sizes = self.determinants(tries) * self._signs[here]
+            for one in np.argsort(-sizes, kind="stable")[:3].tolist():
+                if sizes[one] < 1.2 * best:
+                    break
+                new = self._new(tries[one])
+                if new is None:
+                    continue
+                begin, end = self.nodes[here], self.ways.nearest(self.nodes[here], self.nodes[new])
+                if self._sampled(begin[None], end[None])[0] and self._try(here, new, begin, end):
+                    here = new
+                    break
+
+
+class ValueMap(Map):
     """A map of values of one platform within its ranges.
 
     Parameters
@@ -688,25 +705,32 @@ class ValueMap:
         nodes 0 to n - 1. Poses next to each other with equal values are one set.
     seed
         Of the random values.
+    clear, gap
+        As for `Guide`.
     """
 
     def __init__(
-        self, ways: ValueWays, instance: Instance, values: Array, R: Array, T: Array, *, seed: int
+        self,
+        ways: ValueWays,
+        instance: Instance,
+        values: Array,
+        R: Array,
+        T: Array,
+        *,
+        seed: int,
+        clear: float = 0.0,
+        gap: float | None = None,
     ) -> None:
-        self.ways, self.instance = ways, instance
-        self.connections = Connections()
-        self.count = len(values)
-        self._random = np.random.default_rng(seed)
+        super().__init__(instance, len(values), seed)
+        self.ways, self.instance, self._kept = ways, instance, (clear, gap)
         self._sets: list[Array] = []
         self._members: list[list[int]] = []
         self.points: list[Array] = []
         self.values: list[Array] = []
-        self._costs = WayCosts(instance)
         self._add(values, ways.points(R, T))
         low, high, size = ways.low, ways.high, np.abs(values[0])
         self._low = np.where(np.isfinite(low), low, values[0] - 0.5 * size)
         self._high = np.where(np.isfinite(high), high, values[0] + 0.5 * size)
-        self._refused: set[tuple[int, int]] = set()
 
     def _add(self, values: Array, points: Array) -> list[int]:
         """Add poses with their values; return the numbers of their sets."""
@@ -717,7 +741,7 @@ class ValueMap:
                 self._members.append([])
             if not found or found[-1] != len(self._sets) - 1:
                 found.append(len(self._sets) - 1)
-            self._members[-1].append(self.connections.add())
+            self._members[-1].append(self.add())
             self.points.append(point)
             self.values.append(row)
         self._costs.add(*self.ways.poses(points))
@@ -777,7 +801,7 @@ class ValueMap:
         points = np.array([self.points[node] for _, node, _ in starts])
         found = self.ways.follow(ways, which, points)
         for k in np.flatnonzero(found.there).tolist():
-            p, node, j = starts[k]
+            _, node, j = starts[k]
             there = np.array([self.points[other] for other in self._members[j]])
             same = np.flatnonzero(self.ways.same(there, found.points[k, -1]))
             if len(same) != 1:
@@ -785,12 +809,11 @@ class ValueMap:
             other = self._members[j][int(same[0])]
             if (min(node, other), max(node, other)) in self._refused:
                 continue
-            if self._looks_kept(ways[p], points[k], found.points[k, -1]):
-                self.connections.join(node, other, self._costs.between(node, other))
+            if self._looks_kept(points[k], found.points[k, -1]):
+                self.join(node, other, self._costs.between(node, other))
 
-    def _looks_kept(self, way: Array, first: Array, last: Array) -> bool:
+    def _looks_kept(self, first: Array, last: Array) -> bool:
         """Whether samples near a way keep the cones; of ways that are used it is proved."""
-        del way
         if not self.ways.cones:
             return True
         last = last if first @ last > 0 else -last
@@ -798,19 +821,17 @@ class ValueMap:
         R, T = self.ways.poses(first * (1 - parts) + last * parts)
         return bool((self.ways.machine.cone_shares(R, T) <= 1).all())
 
-    def way(self, first: int, last: int) -> Array | None:
-        """Return the values along a way from one given pose to another, shape (k, 6), or None."""
-        nodes = self.connections.way(first, last)
-        return None if nodes is None else np.array([self.values[node] for node in nodes])
+    def poses(self, nodes: Sequence[int]) -> tuple[Array, Array]:
+        """Return the poses (R, T) of nodes."""
+        return self.ways.poses(np.array([self.points[node] for node in nodes]))
 
-    def nodes(self, first: int, last: int) -> list[int] | None:
-        """Return the nodes of that way."""
-        return self.connections.way(first, last)
+    def corners(self, nodes: Sequence[int]) -> Array:
+        """Return the values of nodes, shape (k, 6)."""
+        return np.array([self.values[node] for node in nodes])
 
-    def refuse(self, first: int, second: int) -> None:
-        """Take an edge away for good, since it violates what else is required."""
-        self._refused.add((min(first, second), max(first, second)))
-        self.connections.remove(first, second)
+    def guide(self, first: int, last: int) -> ValueGuide:
+        """Return what proves polygons of values from one node to another."""
+        return ValueGuide(self.ways, self.points[first], self.points[last], *self._kept)
 
 
 #: Yields None while it goes on, and at last a path with what proves it.
@@ -1111,16 +1132,18 @@ class Planner:
     def value_map(self, ends: Sequence[PathEnd]) -> ValueMap:
         """Return a map of values with some ends, on the sides of the first."""
         values, R, T = (np.stack([getattr(end, n) for end in ends]) for n in ("values", "R", "T"))
-        ways = self.values(ends[0])
-        return ValueMap(ways, self.instance, values, R, T, seed=self.seed)
+        return ValueMap(
+            self.values(ends[0]), self.instance, values, R, T,
+            seed=self.seed, clear=self.clear, gap=self.gap,
+        )  # fmt: skip
 
     def pose_map(self, ends: Sequence[PathEnd]) -> PoseMap:
         """Return a map of poses with some ends."""
         R, T = np.stack([end.R for end in ends]), np.stack([end.T for end in ends])
         limited = self.machine.limited or self.machine.moves or self.gap is not None
-        kept = self.pose_guide().kept if limited else None
-        classes = [self.classes.of(end.R, end.T) for end in ends]
-        return PoseMap(self.ways, R, T, classes, self.classes.of, seed=self.seed, kept=kept)
+        return PoseMap(
+            self.pose_guide(), R, T, self.classes.of, seed=self.seed, limited=limited
+        )  # fmt: skip
 
     def _on_map(
         self, start: PathEnd, goal: PathEnd, more: Callable[[], bool]
@@ -1140,21 +1163,27 @@ class Planner:
             searches.insert(0, self._near_values(start, goal))
         return _first(searches, more)
 
-    def _on_values(self, start: PathEnd, goal: PathEnd) -> Search:
-        """Search on a map of values."""
-        found = self.value_map((start, goal))
-        guide = self.value_guide(found.ways, start, goal)
+    def _on_nodes(self, found: Map) -> Search:
+        """Search on a map for ways from its first node to the second."""
+        guide = found.guide(0, 1)
         while True:
-            corners = found.way(0, 1)
-            if corners is None:
+            nodes = found.way(0, 1)
+            if nodes is None:
                 yield None
                 found.grow()
-            elif guide.trace(corners, np.full(len(corners) - 1, PROVED_ROWS)) is not None:
+                continue
+            corners = found.corners(nodes)
+            if guide.trace(corners, np.full(len(corners) - 1, PROVED_ROWS)) is not None:
                 guide.widen(corners)
                 yield guide, corners
             else:
-                self._refuse(found, guide)
+                # If each edge is proved alone, all of them together are not: rounding at a corner.
+                found.refuse(*(found.unproved(nodes) or nodes[:2]))
                 yield None
+
+    def _on_values(self, start: PathEnd, goal: PathEnd) -> Search:
+        """Search on a map of values."""
+        return self._on_nodes(self.value_map((start, goal)))
 
     def _near_values(self, start: PathEnd, goal: PathEnd) -> Search:
         """Search on a map of values; straight ways of poses lead along the way that it has."""
@@ -1175,36 +1204,11 @@ class Planner:
                     yield poses, polygon
                     return
 
-    def _refuse(self, found: ValueMap, guide: ValueGuide) -> None:
-        """Take the first edge of a way away that does not keep cones or clearance."""
-        nodes = found.nodes(0, 1)
-        assert nodes is not None
-        for a, b in pairwise(nodes):
-            one = ValueGuide(guide.ways, found.points[a], found.points[b], self.clear, self.gap)
-            corners = np.stack((found.values[a], found.values[b]))
-            if one.trace(corners, _ROWS) is None:
-                found.refuse(a, b)
-                return
-        # Each part is proved alone, and all of them together are not: rounding at a corner.
-        found.refuse(nodes[0], nodes[1])
-
     def _on_poses(self, start: PathEnd, goal: PathEnd) -> Search:
         """Search on a map of poses."""
-        guide = self.pose_guide()
         found = self.pose_map((start, goal))
         found.join_given()
-        while True:
-            corners = found.way(0, 1)
-            if corners is None:
-                yield None
-                found.grow()
-                continue
-            way = np.array(corners)
-            if guide.trace(way, np.full(len(way) - 1, PROVED_ROWS)) is not None:
-                yield guide, way
-            else:
-                found.refuse_on_way(0, 1, lambda one: guide.trace(one, _ROWS) is not None)
-                yield None
+        yield from self._on_nodes(found)
 
 
 def _polygon(guide: PoseGuide, places: Array) -> Array | None:
@@ -1640,18 +1644,18 @@ def _join(
     _take(poses, open_, joined)
 
 
-def _grow(found: PoseMap | ValueMap, tried: list[tuple[int, int]], deadline: float) -> None:
+def _grow(found: Map, tried: list[tuple[int, int]], deadline: float) -> None:
     """Let a map grow until all pairs are joined, or until a deadline."""
     found.join_given()
-    while monotonic() < deadline and not all(found.connections.joined(i, j) for i, j in tried):
+    while monotonic() < deadline and not found.all_joined(tried):
         found.grow()
 
 
-def _take(found: PoseMap | ValueMap, members: list[int], joined: Connections) -> None:
+def _take(found: Map, members: list[int], joined: Connections) -> None:
     """Join the modes that a map joins."""
     for i, a in enumerate(members):
         for j in range(i):
-            if found.connections.joined(i, j):
+            if found.joined(i, j):
                 joined.join(a, members[j])
 
 
@@ -1723,53 +1727,54 @@ def home_map(result: SolveResult, home: int) -> HomeMap | None:
     found.join_given()
     if not (planner.machine.shared or planner.stays):
         _grow_for_home(found, len(members))
-    return _kept(found, planner, len(members))
+    return _kept(found, len(members))
 
 
 def _on_one_side(first: PathEnd, second: PathEnd) -> bool:
     return bool((np.sign(first.values) == np.sign(second.values)).all())
 
 
-def _grow_for_home(found: PoseMap | ValueMap, members: int) -> None:
+def _grow_for_home(found: Map, members: int) -> None:
     """Let a map grow until all modes are joined with home, or for some steps."""
     by_values = isinstance(found, ValueMap)
     least = _VALUE_LEAST if by_values else _POSE_LEAST
     for step in range(_VALUE_STEPS if by_values else _POSE_STEPS):
-        if step >= least and all(found.connections.joined(0, k) for k in range(members)):
+        if step >= least and found.all_joined((0, k) for k in range(members)):
             return
         found.grow()
 
 
-def _kept(found: PoseMap | ValueMap, planner: Planner, members: int) -> HomeMap | None:
+def _kept(found: PoseMap | ValueMap, members: int) -> HomeMap | None:
     """Return what is kept of a map: ways of the modes, and of poses far from each other."""
     after: dict[int, int] = {0: 0}
-    order = list(_spread(found, members))
-    for node in order:
+    for node in list(_spread(found, members)):
         if len(after) >= _MOST_POSES:
             break
-        for _ in range(len(found.connections)):
-            way = found.connections.way(node, 0)
-            bad = None if way is None else _unproved(found, way, after)
-            if way is None or bad is None:
+        while (way := found.way(node, 0)) is not None:
+            # Edges of maps of poses are proved with their limits.
+            looked = isinstance(found, ValueMap) and found.ways.cones
+            new = [*takewhile(lambda a: a not in after, way)]
+            bad = found.unproved(way[: len(new) + 1]) if looked else None
+            if bad is None:
+                for a, b in pairwise(way):
+                    after.setdefault(a, b)
                 break
-            _refuse(found, *bad)
-        if way is not None:
-            for a, b in pairwise(way):
-                after.setdefault(a, b)
-    if len(after) == 1:
-        return None
-    return _numbered(found, after)
+            found.refuse(*bad)
+    return _numbered(found, after) if len(after) > 1 else None
 
 
-def _spread(found: PoseMap | ValueMap, members: int) -> Iterator[int]:
+def _spread(found: Map, members: int) -> Iterator[int]:
     """Yield the modes that are joined with home, then poses far from those before."""
-    joined = [k for k in range(1, len(found.connections)) if found.connections.joined(0, k)]
+    joined = [k for k in range(1, len(found)) if found.joined(0, k)]
     modes = [k for k in joined if k < members]
     yield from modes
     others = [k for k in joined if k >= members]
     if not others:
         return
-    places = _places(found)
+    # Poses as points: rotations, and positions in their largest distance.
+    R, T = found.poses(range(len(found)))
+    size = float(np.ptp(T, axis=0).max()) or 1.0
+    places = np.concatenate((R.reshape(-1, 9), T / size), axis=1)
     away = np.min([np.linalg.norm(places[others] - places[k], axis=1) for k in [0, *modes]], axis=0)
     for _ in range(min(_SPREAD, len(others))):
         k = int(away.argmax())
@@ -1777,45 +1782,11 @@ def _spread(found: PoseMap | ValueMap, members: int) -> Iterator[int]:
         away = np.minimum(away, np.linalg.norm(places[others] - places[others[k]], axis=1))
 
 
-def _places(found: PoseMap | ValueMap) -> Array:
-    """Return all poses as points: rotations, and positions in their largest distance."""
-    R, T = _poses(found, list(range(len(found.connections))))
-    size = float(np.ptp(T, axis=0).max()) or 1.0
-    return np.concatenate((R.reshape(-1, 9), T / size), axis=1)
-
-
-def _poses(found: PoseMap | ValueMap, nodes: list[int]) -> tuple[Array, Array]:
-    if isinstance(found, ValueMap):
-        return found.ways.poses(np.array([found.points[k] for k in nodes]))
-    return found.ways.poses(np.array([found.nodes[k] for k in nodes]))
-
-
-def _unproved(
-    found: PoseMap | ValueMap, way: list[int], after: dict[int, int]
-) -> tuple[int, int] | None:
-    """Return the first part of a way that does not keep its cones; None if all do."""
-    if isinstance(found, PoseMap) or not found.ways.cones:
-        return None
-    for a, b in pairwise(way):
-        if a in after:
-            return None
-        guide = ValueGuide(found.ways, found.points[a], found.points[b])
-        corners = np.stack((found.values[a], found.values[b]))
-        if guide.trace(corners, np.array([PROVED_ROWS])) is None:
-            return a, b
-    return None
-
-
-def _refuse(found: PoseMap | ValueMap, a: int, b: int) -> None:
-    assert isinstance(found, ValueMap)
-    found.refuse(a, b)
-
-
 def _numbered(found: PoseMap | ValueMap, after: dict[int, int]) -> HomeMap:
     """Return the poses that are kept, with poses between them on ways of poses."""
     nodes = sorted(after)
     place = {node: k for k, node in enumerate(nodes)}
-    R, T = _poses(found, nodes)
+    R, T = found.poses(nodes)
     to = [place[after[node]] for node in nodes]
     if isinstance(found, ValueMap):
         return HomeMap(R, T, np.array(to))

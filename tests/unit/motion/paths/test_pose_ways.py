@@ -11,7 +11,8 @@ import gspcli
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers
-from gspcli.motion.paths.planner import PoseMap
+from gspcli.motion.paths.planned_paths import PoseGuide
+from gspcli.motion.paths.planner import PoseClass, PoseMap
 from gspcli.motion.paths.ways import PoseWays
 
 #: Machines of all kinds of constraint, and with ranges and cones.
@@ -40,7 +41,7 @@ def ways_of(name: str, *, limits: bool) -> tuple[PoseWays, np.ndarray]:
 
 def determinants(ways: PoseWays, parameters: np.ndarray) -> np.ndarray:
     R, T = ways.poses(parameters[:1])
-    found = PoseMap(ways, R, T, [None], lambda R, T: None, seed=0)
+    found = PoseMap(PoseGuide(ways, 1.0), R, T, lambda *_: PoseClass(()), seed=0)
     return found.determinants(parameters)
 
 
