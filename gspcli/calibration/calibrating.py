@@ -185,8 +185,14 @@ def advice(found: Fit, seen: Measurements) -> str:
     unread = listed(map(str, missing), "and") if missing else ""
     rules = (
         (unread, f"give readings of {unread}, or hold what only they use"),
-        ((turned > _SAME_TURN).sum() < 2, "measure poses that turn the platform, about two axes"),
-        (moved < _SAME_PLACE * model.length, "measure poses that move it, along x, y and z"),
+        (
+            (turned > _SAME_TURN).sum() < 2,
+            "measure poses that turn the platform, about axes that differ",
+        ),
+        (
+            moved < _SAME_PLACE * model.length,
+            "measure poses that move the platform, along x, y and z",
+        ),
         (
             points and not (has_turns or seen.targets),
             "say where points are on the platform (--target), or measure whole poses",

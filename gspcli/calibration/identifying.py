@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cached_property
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -295,23 +294,9 @@ def columns_of(R: Array, T: Array) -> Array:
 
 
 def left_of_lengths(R: Array, T: Array, lengths: Array, factors: Array, *, offsets: bool) -> Array:
-    """Return how far lengths are from satisfying the linear equations, a length for each factor.
+    """Return how far lengths are from the linear equations, root mean squares, shape (k,).
 
-    Parameters
-    ----------
-    R, T
-        Poses, shapes (n, 3, 3) and (n, 3).
-    lengths
-        Shape (n, 6).
-    factors
-        What T may have to be multiplied by, shape (k,).
-    offsets
-        Whether a constant is missing in the lengths of each leg.
-
-    Returns
-    -------
-    Array
-        Root mean squares, shape (k,).
+    Of lengths (n, 6) at poses (n, 3, 3) and (n, 3), with each of k factors of T.
     """
     basis, s, _ = np.linalg.svd(columns_of(R, T), full_matrices=False)
     basis = basis[:, s > _ROUNDING * s[0]]
@@ -427,7 +412,7 @@ class Identification(EqualByContent):
 
     Attributes
     ----------
-    found
+    calibration
         The numbers of the machine with their covariance; what is stated there is the start.
     turns
         The convention of rotations.
@@ -443,14 +428,13 @@ class Identification(EqualByContent):
         Those of them that fit as well, in words.
     offsets
         Whether a constant of each leg was estimated.
-    with_offsets
-        How well the lengths fit with such constants, if that is much better; None otherwise.
-    bound
-        How well lengths fit the linear equations, if that is so much better that joints may have
-        been missed; None otherwise.
+    sentences
+        Which conventions were found, in words.
+    missed
+        Why joints may have been missed, in words; empty if they were not.
     """
 
-    found: Calibration | None
+    calibration: Calibration
     turns: Turns
     leg_unit: str
     place_unit: str
@@ -459,8 +443,8 @@ class Identification(EqualByContent):
     others: tuple[tuple[str, float], ...]
     ambiguous: tuple[str, ...]
     offsets: bool
-    with_offsets: float | None = None
-    bound: float | None = None
+    sentences: tuple[str, ...]
+    missed: str
 
     def __repr__(self) -> str:
         unsure = f", {len(self.ambiguous)} as good" if self.ambiguous else ""
@@ -470,59 +454,14 @@ class Identification(EqualByContent):
         )
 
     @property
-    def calibration(self) -> Calibration:
-        """The numbers of the machine with their covariance."""
-        assert self.found is not None
-        return self.found
-
-    @property
     def instance(self) -> Instance:
         """The machine that was found."""
         return self.calibration.instance
 
-    @cached_property
-    def sentences(self) -> list[str]:
-        """Which conventions were found, in sentences."""
-        unit = self.leg_unit
-        how = "" if self.stated_unit else " (by their size: the log names no unit)"
-        lines = [f"legs in {unit}{how}, positions in {self.place_unit}"]
-        said = f"{self.turns.words()}: the lengths fit to {self.scatter:.2g} {unit}"
-        if self.others:
-            words, scatter = self.others[0]
-            said += f"; next best {words}: {scatter:.2g} {unit}"
-        lines.append(said)
-        if self.with_offsets is not None:
-            lines.append(
-                f"with a constant of each leg (--estimate offsets) they fit to "
-                f"{self.with_offsets:.2g} {unit}"
-            )
-        if self.ambiguous:
-            some = list(self.ambiguous[:_SHOWN])
-            if len(self.ambiguous) > _SHOWN:
-                some.append(f"{len(self.ambiguous) - _SHOWN} others")
-            fits = "fits" if len(some) == 1 else "fit"
-            lines.append(
-                f"ambiguous: {listed(some, 'and')} {fits} as well: say which is right, or add "
-                "poses that turn more, about all axes"
-            )
-        return lines
-
     @property
     def doubts(self) -> tuple[str, ...]:
         """Why the log does not fit the machine, in sentences; empty if it does."""
-        if self.bound is None:
-            return self.calibration.doubts
-        missed = (
-            f"lengths fit to {self.scatter:.2g} {self.leg_unit}, linear equations to "
-            f"{self.bound:.2g}: these are no legs between two joints, or other joints fit better"
-        )
-        return (missed, *self.calibration.doubts)
-
-    @property
-    def doubt(self) -> list[str]:
-        """The next lines about a log that does not determine the machine, at most three."""
-        fits = f"where the lengths fit to {self.scatter:.2g} {self.leg_unit}"
-        return [f"best: {self.turns.words()}, {fits}", *self.sentences[2:]]
+        return (*([self.missed] if self.missed else []), *self.calibration.doubts)
 
     def to_json(self) -> dict[str, Any]:
         """Return all of it as plain data."""
@@ -626,26 +565,21 @@ def identify_log(
     kept = np.ones(len(some), bool)
     if options.robust:
         tried[0], kept = without_far(R, T, log.lengths[some], tried[0], offsets=offsets)
-    best, (leg_unit, place_unit) = tried[0], units_of(log, tried[0].factor)
-    # With few rows linear equations fit so much better by chance.
-    gap = _GAP * (1 + _BY_CHANCE / (len(some) - UNKNOWNS - offsets))
-    found = Identification(
-        None,
-        best.turns,
-        leg_unit,
-        place_unit,
-        bool(log.leg_unit or log.place_unit),
-        best.scatter,
-        tuple((words_of(one, best, log), one.scatter) for one in tried[1:]),
-        tuple(ambiguous(log, some, tried)),
-        offsets,
-        with_offsets=None if offsets else _with_offsets(log, some, euler, best),
-        bound=None if best.scatter <= gap * least else least,
-    )
+    best, units = tried[0], units_of(log, tried[0].factor)
+    unit, stated = units[0], bool(log.leg_unit or log.place_unit)
+    others = tuple((words_of(one, best, log), one.scatter) for one in tried[1:])
+    alike = tuple(ambiguous(log, some, tried))
+    fits = f"the lengths fit to {best.scatter:.2g} {unit}"
+    how = "" if stated else " (by their size: the log names no unit)"
+    said = [f"legs in {unit}{how}, positions in {units[1]}", f"{best.turns.words()}: {fits}"]
+    said[1] += f"; next best {others[0][0]}: {others[0][1]:.2g} {unit}" if others else ""
+    more = [] if offsets else _with_offsets(log, some, euler, best, unit)
+    unsure = _ambiguity(alike)
+    refused = [f"best: {best.turns.words()}, where {fits}", *more]
     long = float(log.lengths[some].mean())
     if best.scatter > (PRIOR * long if options.prior is None else options.prior):
-        raise IncompleteError("\n".join([_NONE, *replace(found, ambiguous=()).doubt]))
-    start = _start(log, best, pivot, leg_unit, offsets=offsets)
+        raise IncompleteError("\n".join([_NONE, *refused]))
+    start = _start(log, best, pivot, unit, offsets=offsets)
     hold = options.hold if offsets else (*options.hold, "offsets")
     seen = _measured(log, best, pivot)
     try:
@@ -653,8 +587,31 @@ def identify_log(
         if not options.hold_unknown:
             _check_only(R[kept], T[kept], log.lengths[some][kept], best, kept, offsets=offsets)
     except IncompleteError as error:
-        raise IncompleteError("\n".join([str(error), *found.doubt])) from None
-    return replace(found, found=result)
+        raise IncompleteError("\n".join([str(error), *refused, *unsure])) from None
+    # With few rows linear equations fit so much better by chance.
+    gap = _GAP * (1 + _BY_CHANCE / (len(some) - UNKNOWNS - offsets))
+    missed = ""
+    if best.scatter > gap * least:
+        missed = (
+            f"lengths fit to {best.scatter:.2g} {unit}, linear equations to {least:.2g}: these are "
+            "no legs between two joints, or other joints fit better"
+        )
+    sentences = (*said, *more, *unsure)
+    return Identification(
+        result, best.turns, *units, stated, best.scatter, others, alike, offsets, sentences, missed
+    )
+
+
+def _ambiguity(alike: tuple[str, ...]) -> list[str]:
+    """Return the sentence of conventions that fit as well, if there are any."""
+    if not alike:
+        return []
+    some = list(alike[:_SHOWN])
+    some += [f"{len(alike) - _SHOWN} others"] if len(alike) > _SHOWN else []
+    return [
+        f"ambiguous: {listed(some, 'and')} fit{'s' if len(some) == 1 else ''} as well: say which "
+        "is right, or add poses that turn more, about all axes"
+    ]
 
 
 def _measured(log: Log, best: Convention, pivot: Array) -> Measurements:
@@ -666,14 +623,15 @@ def _measured(log: Log, best: Convention, pivot: Array) -> Measurements:
 
 
 def _with_offsets(
-    log: Log, rows: NDArray[np.intp], euler: str | None, best: Convention
-) -> float | None:
+    log: Log, rows: NDArray[np.intp], euler: str | None, best: Convention, unit: str
+) -> list[str]:
     """Return how well lengths fit with a constant of each leg, if that is much better."""
     exact = best.scatter < USUAL * float(log.lengths[rows].mean())
     if exact or len(rows) < UNKNOWNS + 1 + _SPARE:
-        return None
-    other = conventions(log, rows, euler, offsets=True)[0][0]
-    return other.scatter if other.scatter * _BETTER < best.scatter else None
+        return []
+    other = conventions(log, rows, euler, offsets=True)[0][0].scatter
+    fits = f"with a constant of each leg (--estimate offsets) they fit to {other:.2g} {unit}"
+    return [fits] if other * _BETTER < best.scatter else []
 
 
 def _check_rows(log: Log, rows: NDArray[np.intp], *, offsets: bool) -> None:
