@@ -333,8 +333,7 @@ class AskedPoses:
     T: Array
     #: What each is called, as data: its ``row`` in a file, from 1, and ``t`` there; its ``mode``.
     places: Sequence[Mapping[str, Any]]
-    #: Readings of the drives of a machine with cranks or slides, shape (n, m), if they are where
-    #: SPEC states them; else None.
+    #: Readings of the drives, shape (n, m), where SPEC or a file says them; else None.
     drives: Array | None = None
     #: Modes that end before the last row of a file of values, in words.
     lost: tuple[str, ...] = ()
@@ -417,15 +416,13 @@ def _of_file(o: Options) -> AskedPoses:
         places = [{"row": k, "t": float(at), "mode": None} for k, at in enumerate(t, 1)]
         return AskedPoses(table.R, table.T, places)
     values = read_values(text, name, instance, form)
-    if values.coordinates:
-        moving = ", ".join(values.coordinates)
-        raise GspError(
-            f"{name}: found {moving}, expected values only: the geometry stays as SPEC has it"
-        )
     modes = None if o.mode is None else [mode_number(instance, o.mode)]
     with working("following"):
         start = None if o.near is None else o.near.read(form)
-        found = track(instance, values.values, t=values.t, modes=modes, near=start)
+        found = track(
+            instance, values.values, coordinates=values.coordinates, t=values.t, modes=modes,
+            near=start,
+        )  # fmt: skip
     if not len(found.modes):
         raise GspError("there is no real pose at the first row")
     rows, which = np.nonzero(~np.isnan(found.T[..., 0].T))
@@ -434,7 +431,7 @@ def _of_file(o: Options) -> AskedPoses:
         found.R[which, rows],
         found.T[which, rows],
         [{"row": row, "t": t, "mode": mode} for row, t, mode in zip(*numbers, strict=True)],
-        _stated_drives(instance, len(rows)),
+        values.drives(instance)[rows],
         tuple(f"mode {one.mode} ends at t = {one.low:.10g} ({one.kind})" for one in found.ends),
     )
 

@@ -176,4 +176,14 @@ def test_rows(gsp, tmp_path):
     assert found == [(1, 1.0, 1), (2, 2.0, 1)]
     path.write_text("crank.B1\n0.01\n0.02\n", encoding="utf-8")
     run = gsp("clearance", "@t-top-head", path)
-    assert "found crank.B1, expected values only" in run.err
+    assert "another working mode than at home, expected that of home (--mode home)" in run.err
+    run = gsp("clearance", "@t-top-head", path, "--mode", "home", "--format", "csv")
+    followed = tmp_path / "track.csv"
+    gsp("track", "@t-top-head", path, "--mode", "home", "--format", "csv", "-o", followed)
+    poses = gsp("clearance", "@t-top-head", followed, "--format", "csv")
+    one, other = (
+        [float(x) for line in text.out.splitlines()[1:] for x in line.split(",")[-6:]]
+        for text in (run, poses)
+    )
+    assert len(one) == 12
+    assert one == pytest.approx(other, abs=1e-6)

@@ -10,29 +10,36 @@ dynamics:
 """
 
 
-@pytest.mark.parametrize("name", ["delta", "tricept"])
+@pytest.mark.parametrize("name", ["delta", "tricept", "t-top-head", "workspace-study"])
 def test_what_a_command_writes_every_command_reads(name, tmp_path, capsys):
     machine = tmp_path / "machine.yaml"
     assert run(["example", name, "-o", str(machine)]) == 0
     machine.write_text(machine.read_text(encoding="utf-8") + MASSES, encoding="utf-8")
+    spec, tables = str(machine), {}
 
-    def written(file, *words):
-        path = tmp_path / file
+    def write(file, *words):
+        path = tmp_path / f"{file}.csv"
         assert run([*words, "--format", "csv", "-o", str(path)]) == 0, capsys.readouterr().err
         # Two rows say as much as all.
         lines = path.read_text(encoding="utf-8").splitlines()
         path.write_text("\n".join(lines[:3]) + "\n", encoding="utf-8")
+        tables[file] = str(path)
         return str(path)
 
-    spec = str(machine)
-    along = written("path.csv", "path", spec, "--from", "home", "--to", "home")
-    followed = written("track.csv", "track", spec, along, "--mode", "home")
-    measured = written("measure.csv", "measure", spec, along)
-    for table in (along, followed, measured):
-        for command in ("analyze", "clearance", "dynamics", "track"):
-            code = run([command, spec, table])
+    write("solve", "solve", spec)
+    along = write("path", "path", spec, "--from", "home", "--to", "home")
+    write("track", "track", spec, along, "--mode", "home")
+    write("measure", "measure", spec, along)
+    write("drives", "measure", spec, along, "--drives")
+    write("nearest", "measure", spec, along, "--nearest")
+    for file, table in tables.items():
+        # Tables of values alone have no poses to measure; other modes are not on one track.
+        poses = ["measure"] if file not in ("measure", "drives") else []
+        followed = ["track"] if file != "solve" else []
+        for command in ("analyze", "clearance", "dynamics", "sensors", *poses, *followed):
+            # Clearances are those of drives in the working modes of home.
+            home = ["--mode", "home"] if (file, command) == ("drives", "clearance") else []
+            code = run([command, spec, table, *home])
             said = capsys.readouterr().err
             # A path of five rows has no quintic spline: it is read all the same.
             assert code == 0 or "expected at least 6" in said, (command, table, said)
-    for table in (along, followed):
-        assert run(["measure", spec, table]) == 0, capsys.readouterr().err

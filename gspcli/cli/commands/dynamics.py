@@ -109,25 +109,27 @@ def _asked(o: Options) -> AskedPoses:
     if o.rows is None:
         asked = asked_poses(o)
         return asked if o.pose is None else replace(asked, places=[{"row": 1}])
-    from gspcli.dynamics.motion_files import PoseRows, motion_of_values, read_rows
-    from gspcli.motion import track
+    from gspcli.dynamics.motion_files import motion_of_values, read_rows
+    from gspcli.dynamics.trajectories import PoseRates
+    from gspcli.motion import PoseTable, track
 
     instance, form = o.instance, o.form
     text, name = text_of(o.rows)
-    rows = read_rows(text, name, instance, form)
-    count = len(rows.R if isinstance(rows, PoseRows) else rows.values)
+    t, rows, rates = read_rows(text, name, instance, form)
+    count = len(rows.R if isinstance(rows, PoseTable) else rows.values)
     places: list[dict[str, Any]] = [{"row": k} for k in range(1, count + 1)]
-    if rows.t is not None:
-        places = [{**place, "t": t} for place, t in zip(places, rows.t.tolist(), strict=True)]
-    if isinstance(rows, PoseRows):
+    if t is not None:
+        places = [{**place, "t": time} for place, time in zip(places, t.tolist(), strict=True)]
+    if isinstance(rows, PoseTable):
         refuse_modes(o, name)
         check_poses(o, text, name, rows.R, rows.T)
-        return AskedPoses(rows.R, rows.T, places, t=rows.t, motion=rows.motion)
+        motion = None if rates is None else PoseRates(*rates)
+        return AskedPoses(rows.R, rows.T, places, t=t, motion=motion)
     start = None if o.near is None else o.near.read(form)
     modes = None if start is not None else [mode_number(instance, o.mode)]
     with working("following"):
-        moving = dict(rows.coordinates)
-        found = track(instance, rows.values, coordinates=moving, t=rows.t, modes=modes, near=start)
+        moving = rows.coordinates
+        found = track(instance, rows.values, coordinates=moving, t=t, modes=modes, near=start)
     if found.ends:
         (end,) = found.ends
         raise IncompleteError(
@@ -135,10 +137,8 @@ def _asked(o: Options) -> AskedPoses:
             "end the rows before it (gsp track shows where it ends)"
         )
     R, T = found.R[0], found.T[0]
-    motion = None
-    if rows.rates is not None and rows.second_rates is not None:
-        motion = motion_of_values(instance, R, T, rows.rates, rows.second_rates)
-    return AskedPoses(R, T, places, rows.drives(instance), t=rows.t, motion=motion)
+    motion = None if rates is None else motion_of_values(instance, R, T, rates)
+    return AskedPoses(R, T, places, rows.drives(instance), t=t, motion=motion)
 
 
 def _result(

@@ -16,6 +16,7 @@ from gspcli.geometry.checking import value_range, wrong_value
 from gspcli.geometry.coordinates import Coordinate, choose, drive_corrections
 from gspcli.geometry.coordinates import coordinates as all_coordinates
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.readings import readings_of, values_of
 from gspcli.motion.files.number_tables import NumberTable
@@ -57,6 +58,11 @@ class ValueTable:
         if self.poses is None or not len(self.poses[0]):
             return None
         return self.poses[0][0], self.poses[1][0]
+
+    def drives(self, instance: Instance) -> Array:
+        """Return the readings of all drives, shape (n, m)."""
+        machine = Machine.of(instance)
+        return machine.readings(machine.read(self.values, self.coordinates))
 
     def subdivided(self, steps: int) -> ValueTable:
         """Return the trajectory with each step between rows divided into this many steps."""
@@ -141,11 +147,16 @@ def read_values(
         table.refuse_others({*known, *filter(_is_judged, table.heading)}, expected)
     if t is None:
         t = np.arange(1.0, len(values) + 1)
-    for row in np.flatnonzero(np.diff(t) <= 0):
-        message = f"found t = {t[row + 1]:g} after {t[row]:g}: t must increase"
-        table.note_cell(int(row) + 1, "t", message)
+    note_times(table, t)
     table.check()
     return ValueTable(t, values, coordinates, of_file)
+
+
+def note_times(table: NumberTable, t: Array) -> None:
+    """Note times that do not increase."""
+    for row in np.flatnonzero(np.diff(t) <= 0).tolist():
+        message = f"found t = {t[row + 1]:g} after {t[row]:g}: t must increase"
+        table.note_cell(row + 1, "t", message)
 
 
 def compare_values(table: NumberTable, instance: Instance, measured: Array) -> None:
