@@ -19,16 +19,11 @@ from gspcli.records import dataclass
 from gspcli.wording import listed, shortened, shown
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from gspcli.dynamics.trajectories import PoseRates
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.geometry.instance import Instance
-    from gspcli.motion import PoseFormat
-
-    Array = NDArray[np.float64]
     from gspcli.geometry.home_mode import HomeMode
+    from gspcli.geometry.instance import Array, Instance
+    from gspcli.motion import PoseFormat
     from gspcli.motion.files.pose_files import PoseTable
 
 

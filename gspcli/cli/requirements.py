@@ -12,14 +12,9 @@ from gspcli.errors import CheckFailed, GspError
 from gspcli.wording import listed
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from gspcli.geometry.instance import Instance
+    from gspcli.geometry.instance import Array, Instance
     from gspcli.geometry.machine import Machine
     from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
-
-    Array = NDArray[np.float64]
 
 #: The commands that compute the numbers which not every command has.
 _SOURCES = {

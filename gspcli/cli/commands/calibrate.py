@@ -34,10 +34,8 @@ if TYPE_CHECKING:
     from gspcli.calibration.identifying import Identification
     from gspcli.calibration.planning import Plan
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.geometry.instance import Instance
+    from gspcli.geometry.instance import Array, Instance
     from gspcli.motion.files.requirements import Requirement
-
-    Array = NDArray[np.float64]
 
 FIELDS = Fields("calibrate")
 

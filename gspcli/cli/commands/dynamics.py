@@ -27,12 +27,10 @@ from gspcli.errors import IncompleteError
 from gspcli.wording import listed
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from gspcli.dynamics import DriveForces, NaturalModes
+    from gspcli.geometry.instance import Array
     from gspcli.motion.files.requirements import QuantityParts
 
-    Array = NDArray[np.float64]
     Quantities = Mapping[str, Array | QuantityParts]
 
 FIELDS = Fields("dynamics")

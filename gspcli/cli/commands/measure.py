@@ -18,14 +18,9 @@ from gspcli.errors import CheckFailed, IncompleteError
 from gspcli.wording import counted
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from gspcli.geometry.instance import Instance
+    from gspcli.geometry.instance import Array, Instance
     from gspcli.motion import PoseFormat, PoseTable
     from gspcli.motion.files.requirements import QuantityParts, RequirementVerdict
-
-    Array = NDArray[np.float64]
 
 FIELDS = Fields("measure")
 #: What stands for the limits of a nearest pose where none is found.

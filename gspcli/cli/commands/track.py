@@ -8,6 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from gspcli.cli import options, pose_options
 from gspcli.cli.render import emit
@@ -30,18 +31,13 @@ from gspcli.wording import counted, listed
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.geometry.instance import Instance
+    from gspcli.geometry.instance import Array, Instance
     from gspcli.motion import Event, Track, ValueTable
     from gspcli.motion.files.requirements import QuantityParts, Requirement, RequirementVerdict
     from gspcli.motion.following.tracks import Departure
     from gspcli.motion.paths.between import LimitEvent
     from gspcli.motion.paths.ways import PoseWays
-
-    Array = NDArray[np.float64]
 
 FIELDS = Fields("track")
 
@@ -253,8 +249,6 @@ def _at_poses(
 
     Each part has rows, and the platform there.
     """
-    import numpy as np
-
     found = np.full(result.T.shape[:2], np.nan)
     for rows, instance in parts:
         there = np.zeros(found.shape, bool)
@@ -384,8 +378,6 @@ def _judged_track(
     done: _FollowedTrack, requirements: Sequence[Requirement], rows: list[dict[str, Any]]
 ) -> tuple[list[RequirementVerdict], dict[str, Array | QuantityParts]]:
     """Return whether a track keeps what is required, and quantities that its rows do not have."""
-    import numpy as np
-
     from gspcli.motion.files.requirements import judge
 
     known = {
@@ -403,8 +395,6 @@ def _judged_track(
 
 def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityParts:
     """Return a quantity of each pose, in the order of the rows; the geometry may move."""
-    import numpy as np
-
     from gspcli.motion.files.requirements import QuantityParts
     from gspcli.motion.paths.between import drive_rows
 

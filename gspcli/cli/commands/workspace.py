@@ -11,6 +11,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from gspcli.cli import options, pose_options
 from gspcli.cli.pose_options import PARAMETERS
@@ -24,13 +25,8 @@ from gspcli.records import dataclass
 from gspcli.wording import listed, shown
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from gspcli.geometry.instance import Instance
+    from gspcli.geometry.instance import Array, Instance
     from gspcli.motion import Travel, Workspace
-
-    Array = NDArray[np.float64]
 
 FIELDS = Fields("workspace")
 
@@ -227,8 +223,6 @@ def _own_pose(row: dict[str, Any], frame: PoseFrame) -> dict[str, list[float]]:
     """Return the pose of the platform itself in the middle of a box."""
     position, quaternion = ([row[key] for key in keys] for keys in (POSE[:3], POSE[3:]))
     if not frame.is_identity:
-        import numpy as np
-
         from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
 
         R, T = frame.to_platform(rotation_from_quaternion(np.array(quaternion)), position)
@@ -312,8 +306,6 @@ def _volume(o: options.Options, found: Workspace, home: _Home) -> Result:
 
 def _box_rows(found: Workspace) -> list[dict[str, Any]]:
     """Return the boxes with the pose in the middle of each, inner ones first."""
-    import numpy as np
-
     from gspcli.geometry.quaternions import quaternion_from_rotation
 
     corners = np.concatenate((found.inner, found.open))
@@ -340,8 +332,6 @@ _MOST_HELD = 1000
 
 def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
     """Return by how much parameters are moved from home, all combinations."""
-    import numpy as np
-
     from gspcli.motion.files.number_tables import wrong_number
 
     choices: dict[str, list[float]] = {}
@@ -504,8 +494,6 @@ def _home(o: options.Options, *, needed: bool) -> _Home:
 
     It is expressed in the frame of the options, if there is one: then the pivot is its origin.
     """
-    import numpy as np
-
     from gspcli.geometry.arrangement import Arrangement
     from gspcli.motion import read_pose
 
