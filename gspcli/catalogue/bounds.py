@@ -25,31 +25,21 @@ from gspcli.resources import data_json
 
 @dataclass(frozen=True)
 class Variety:
-    """The rigid motions as a variety in one set of coordinates (Section 3).
+    """The rigid motions as a variety in one set of coordinates (Section 3)."""
 
-    Attributes
-    ----------
-    coordinates
-        The blocks of coordinates, such as ``R,T,U``: R, T, U = RᵀT, rho = T·T and TxR, the
-        matrix with columns T × R_k.
-    ambient_dimension
-        Number of coordinates.
-    equations
-        Number of the equations that generate the ideal.
-    dimension
-        6; 3 for the rotations alone.
-    degree
-        Degree of the projective closure.
-    hilbert_numerator
-        Coefficients of h in the Hilbert series h(t) / (1 - t)^(dimension + 1) of the projective
-        closure; they add up to the degree.
-    """
-
+    #: The blocks of coordinates, such as ``R,T,U``: R, T, U = RᵀT, rho = T·T and TxR, the matrix
+    #: with columns T × R_k.
     coordinates: str
+    #: Number of coordinates.
     ambient_dimension: int
+    #: Number of the equations that generate the ideal.
     equations: int
+    #: 6; 3 for the rotations alone.
     dimension: int
+    #: Degree of the projective closure.
     degree: int
+    #: Coefficients of h in the Hilbert series h(t) / (1 - t)^(dimension + 1) of the projective
+    #: closure; they add up to the degree.
     hilbert_numerator: tuple[int, ...]
 
     @property
@@ -93,21 +83,14 @@ _SURFACES = "PSC"
 
 @dataclass(frozen=True)
 class BezoutSpace:
-    """A variety on which Bezout's theorem is applied.
+    """A variety on which Bezout's theorem is applied."""
 
-    Attributes
-    ----------
-    name
-        The coordinates, in words for people.
-    degree
-        The degree of the variety.
-    degrees
-        For each kind of distance, by its order, the factors of the first constraint and of any
-        other one.
-    """
-
+    #: The coordinates, in words for people.
     name: str
+    #: The degree of the variety.
     degree: int
+    #: For each kind of distance, by its order, the factors of the first constraint and of any other
+    #: one.
     degrees: tuple[tuple[int, int], ...]
 
     def factors(self, distances: Sequence[Kind]) -> list[tuple[Kind, int]]:
@@ -166,17 +149,11 @@ def orientation_space(*, one_sided: bool) -> BezoutSpace:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Bound:
-    """A proved ceiling for the number of solutions.
+    """A proved ceiling for the number of solutions."""
 
-    Attributes
-    ----------
-    value
-        The number.
-    explain
-        Returns the reason. It is called only if the reason is shown: there are thousands of bounds.
-    """
-
+    #: The number.
     value: int
+    #: Returns the reason. It is called only if the reason is shown: there are thousands of bounds.
     explain: Callable[[], str] = field(repr=False, compare=False)
 
     @property
@@ -187,24 +164,16 @@ class Bound:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Bounds:
-    """The bounds of a type or family.
+    """The bounds of a type or family."""
 
-    Attributes
-    ----------
-    theorem_5_2, theorem_5_3
-        Two-sided, with the paper's degrees.
-    theorem_5_4
-        One-sided; only for the 35 types of DPH distances and angles.
-    table_3
-        The paper's N1, one-sided and with one of the two planes of a DLL; only for 3D3A.
-    refined_one_sided, refined_two_sided
-        With the side of each DPH and DHP chosen, or left open; both planes of a DLL.
-    """
-
+    #: Two-sided, with the paper's degrees.
     theorem_5_2: Bound
     theorem_5_3: Bound
+    #: One-sided; only for the 35 types of DPH distances and angles.
     theorem_5_4: Bound | None
+    #: The paper's N1, one-sided and with one of the two planes of a DLL; only for 3D3A.
     table_3: Bound | None
+    #: With the side of each DPH and DHP chosen, or left open; both planes of a DLL.
     refined_one_sided: Bound
     refined_two_sided: Bound
 

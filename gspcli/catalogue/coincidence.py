@@ -63,17 +63,11 @@ class Connection(Protocol):
 
 @dataclass(frozen=True)
 class Bond:
-    """A constraint between two numbered primitives.
+    """A constraint between two numbered primitives."""
 
-    Attributes
-    ----------
-    kind
-        The kind; it gives the sorts of both primitives.
-    platform, base
-        The number of the primitive among those of its sort on its body, from 1.
-    """
-
+    #: The kind; it gives the sorts of both primitives.
     kind: Kind
+    #: The number of the primitive among those of its sort on its body, from 1.
     platform: int
     base: int
 
@@ -93,21 +87,14 @@ class Bond:
 
 @dataclass(frozen=True)
 class Sharing:
-    """A pattern: a type together with the primitives that its constraints share.
+    """A pattern: a type together with the primitives that its constraints share."""
 
-    Attributes
-    ----------
-    type
-        The type.
-    index
-        The place of the pattern in the list of its type, from 1: all primitives are distinct in
-        the first.
-    bonds
-        The six constraints in canonical order with canonical numbers.
-    """
-
+    #: The type.
     type: GspType
+    #: The place of the pattern in the list of its type, from 1: all primitives are distinct in the
+    #: first.
     index: int
+    #: The six constraints in canonical order with canonical numbers.
     bonds: tuple[Bond, ...]
 
     @property
@@ -454,20 +441,13 @@ _POINT, _LINE, _PLANE, _DIRECTION = "P", "L", "H", "direction"
 
 @dataclass(frozen=True)
 class OverConstraint:
-    """Constraints that cannot all be independent.
+    """Constraints that cannot all be independent."""
 
-    Attributes
-    ----------
-    primitives
-        Primitives, or directions of primitives, that have an end of each of the constraints.
-    freedoms
-        The freedoms of the motions that leave these primitives in place.
-    constraints
-        The constraints, by index from 0; there are more than six less `freedoms`.
-    """
-
+    #: Primitives, or directions of primitives, that have an end of each of the constraints.
     primitives: tuple[str, ...]
+    #: The freedoms of the motions that leave these primitives in place.
     freedoms: int
+    #: The constraints, by index from 0; there are more than six less `freedoms`.
     constraints: tuple[int, ...]
 
     @property

@@ -22,17 +22,11 @@ class Writing:
 
 @dataclass(frozen=True)
 class Degrees:
-    """Degrees of one constraint.
+    """Degrees of one constraint."""
 
-    Attributes
-    ----------
-    two_sided
-        With the side of a DPH or DHP left open.
-    one_sided
-        With that side chosen; the same number for all other kinds.
-    """
-
+    #: With the side of a DPH or DHP left open.
     two_sided: int
+    #: With that side chosen; the same number for all other kinds.
     one_sided: int
 
     def of(self, *, one_sided: bool) -> int:
@@ -42,30 +36,19 @@ class Degrees:
 
 @dataclass(frozen=True)
 class LowestDegrees(Degrees):
-    """The lowest degrees in one set of coordinates.
+    """The lowest degrees in one set of coordinates."""
 
-    Attributes
-    ----------
-    difference
-        Degree of the difference of two constraints of the kind, where that is lower.
-    """
-
+    #: Degree of the difference of two constraints of the kind, where that is lower.
     difference: int | None = None
 
 
 @dataclass(frozen=True)
 class Locus:
-    """The locus of a point of the platform primitive under a fixed orientation.
+    """The locus of a point of the platform primitive under a fixed orientation."""
 
-    Attributes
-    ----------
-    surface
-        P, S or C (Proposition 6.7).
-    text
-        The surface in words.
-    """
-
+    #: P, S or C (Proposition 6.7).
     surface: str
+    #: The surface in words.
     text: str
 
 

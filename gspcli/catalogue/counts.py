@@ -49,18 +49,12 @@ _MEANINGS = {
 
 @dataclass(frozen=True, slots=True)
 class GenericCounts:
-    """The generic counts of a type.
+    """The generic counts of a type."""
 
-    Attributes
-    ----------
-    one_sided, two_sided
-        Number of complex solutions with the side of each DPH and DHP chosen, or left open.
-    confirmed
-        The methods that gave the same number for random platforms of the family.
-    """
-
+    #: Number of complex solutions with the side of each DPH and DHP chosen, or left open.
     one_sided: int
     two_sided: int
+    #: The methods that gave the same number for random platforms of the family.
     confirmed: tuple[Method, ...]
 
     @property
@@ -129,22 +123,15 @@ FILE = ("witnesses", "real.csv")
 
 @dataclass(frozen=True, slots=True)
 class Witness:
-    """A platform with many real solutions.
+    """A platform with many real solutions."""
 
-    Attributes
-    ----------
-    family
-        The class and the distances.
-    real
-        The number of different real solutions, with both sides of each DPH and DHP.
-    rows
-        The numbers of each constraint as decimals: those of the platform's primitive, those of
-        the base's, and the distance, or the angle of the directions in degrees. A point has its
-        coordinates, a line or plane a point and a direction, and in an angle only the direction.
-    """
-
+    #: The class and the distances.
     family: Family
+    #: The number of different real solutions, with both sides of each DPH and DHP.
     real: int
+    #: The numbers of each constraint as decimals: those of the platform's primitive, those of the
+    #: base's, and the distance, or the angle of the directions in degrees. A point has its
+    #: coordinates, a line or plane a point and a direction, and in an angle only the direction.
     rows: tuple[tuple[str, ...], ...]
 
     @property
@@ -226,20 +213,13 @@ _LONGEST = 200
 
 @dataclass(frozen=True, slots=True, order=True)
 class PlaceOnLine:
-    """The place of a platform on a line between two platforms of a type.
+    """The place of a platform on a line between two platforms of a type."""
 
-    Attributes
-    ----------
-    real
-        The number of different real solutions, with both sides of each DPH and DHP.
-    number
-        The number of the random platform at the beginning of the line.
-    share
-        The share of the line before the platform: a decimal between 0 and 1.
-    """
-
+    #: The number of different real solutions, with both sides of each DPH and DHP.
     real: int
+    #: The number of the random platform at the beginning of the line.
     number: int
+    #: The share of the line before the platform: a decimal between 0 and 1.
     share: str
 
     def __str__(self) -> str:

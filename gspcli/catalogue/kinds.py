@@ -51,31 +51,20 @@ class Law(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """A kind of constraint, such as DPL: the distance of a platform point to a base line.
+    """A kind of constraint, such as DPL: the distance of a platform point to a base line."""
 
-    Attributes
-    ----------
-    quantity
-        Distance or angle.
-    platform, base
-        The primitive on the moving platform and the one on the base.
-    order
-        Position in the canonical order of the kinds, from 0.
-    law
-        The polynomial as a function of the value.
-    space
-        The space of quadrics in Study coordinates that contains its equation
-        (docs/counts.md).
-    is_product
-        Whether the equation is a product of two such quadrics, not one.
-    """
-
+    #: Distance or angle.
     quantity: Quantity
+    #: The primitive on the moving platform and the one on the base.
     platform: Primitive
     base: Primitive
+    #: Position in the canonical order of the kinds, from 0.
     order: int
+    #: The polynomial as a function of the value.
     law: Law
+    #: The space of quadrics in Study coordinates that contains its equation (docs/counts.md).
     space: str
+    #: Whether the equation is a product of two such quadrics, not one.
     is_product: bool = False
 
     @cached_property

@@ -21,23 +21,15 @@ Value = int | str | None
 
 @dataclass(frozen=True)
 class TypeColumn:
-    """A fact about every type.
+    """A fact about every type."""
 
-    Attributes
-    ----------
-    key
-        The name of the column in every format.
-    read
-        Takes the value from a type.
-    numeric
-        Whether the values are numbers, so that a ceiling can be set.
-    default
-        Whether a listing shows the column without being asked.
-    """
-
+    #: The name of the column in every format.
     key: str
+    #: Takes the value from a type.
     read: Callable[[GspType], Value]
+    #: Whether the values are numbers, so that a ceiling can be set.
     numeric: bool = True
+    #: Whether a listing shows the column without being asked.
     default: bool = True
 
 

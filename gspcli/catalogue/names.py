@@ -266,23 +266,15 @@ _TYPE = "6DPP"
 
 @dataclass(frozen=True)
 class Alias:
-    """A name that does not consist of kinds.
+    """A name that does not consist of kinds."""
 
-    Attributes
-    ----------
-    name
-        The usual spelling.
-    type_name
-        The type, in a spelling that `parse_name` reads.
-    pattern
-        The legs that share a point, in the notation of `parse_sharing`; empty if none do.
-    meaning
-        The description.
-    """
-
+    #: The usual spelling.
     name: str
+    #: The type, in a spelling that `parse_name` reads.
     type_name: str
+    #: The legs that share a point, in the notation of `parse_sharing`; empty if none do.
     pattern: str
+    #: The description.
     meaning: str
 
 

@@ -77,20 +77,13 @@ class JointAxis(Enum):
 
 @dataclass(frozen=True)
 class PlacedJoint:
-    """A joint of a chain.
+    """A joint of a chain."""
 
-    Attributes
-    ----------
-    joint
-        The joint; a driven one is revolute or prismatic.
-    axis
-        Where it lies.
-    driven
-        Whether a motor moves it.
-    """
-
+    #: The joint; a driven one is revolute or prismatic.
     joint: JointKind
+    #: Where it lies.
     axis: JointAxis
+    #: Whether a motor moves it.
     driven: bool = False
 
     def __str__(self) -> str:
@@ -99,14 +92,9 @@ class PlacedJoint:
 
 @dataclass(frozen=True)
 class Chain:
-    """Joints in series, from the platform to the base.
+    """Joints in series, from the platform to the base."""
 
-    Attributes
-    ----------
-    joints
-        The joints in order.
-    """
-
+    #: The joints in order.
     joints: tuple[PlacedJoint, ...]
 
     @property
@@ -252,23 +240,15 @@ _SAMPLE_LINE: Line = (_ZERO, vector(0, 0, 1))
 
 @dataclass(frozen=True)
 class Realization:
-    """A chain that realizes a constraint, or DLL and ALL between the same two lines.
+    """A chain that realizes a constraint, or DLL and ALL between the same two lines."""
 
-    Attributes
-    ----------
-    kinds
-        The kinds of the constraints: one, or DLL and ALL.
-    chain
-        The chain, one driven joint for each kind.
-    description
-        The chain in words.
-    figure
-        The figure of the paper that shows it, or 0.
-    """
-
+    #: The kinds of the constraints: one, or DLL and ALL.
     kinds: tuple[Kind, ...]
+    #: The chain, one driven joint for each kind.
     chain: Chain
+    #: The chain in words.
     description: str
+    #: The figure of the paper that shows it, or 0.
     figure: int = 0
 
     @cached_property
@@ -490,43 +470,28 @@ _TOGETHER = {
 
 @dataclass(frozen=True)
 class MountedChain:
-    """A chain of a mechanism.
+    """A chain of a mechanism."""
 
-    Attributes
-    ----------
-    realization
-        The chain and what it realizes.
-    constraints
-        The constraints that it realizes, by index from 0, one for each kind of `realization`.
-    platform_name, base_name
-        The primitives at its ends.
-    """
-
+    #: The chain and what it realizes.
     realization: Realization
+    #: The constraints that it realizes, by index from 0, one for each kind of `realization`.
     constraints: tuple[int, ...]
+    #: The primitives at its ends.
     platform_name: str
     base_name: str
 
 
 @dataclass(frozen=True)
 class SharedPrimitive:
-    """A primitive at which several chains end.
+    """A primitive at which several chains end."""
 
-    Attributes
-    ----------
-    body
-        ``platform`` or ``base``.
-    name
-        The name of the primitive.
-    primitive
-        Its sort.
-    chains
-        The chains that end there, by index from 0.
-    """
-
+    #: ``platform`` or ``base``.
     body: str
+    #: The name of the primitive.
     name: str
+    #: Its sort.
     primitive: Primitive
+    #: The chains that end there, by index from 0.
     chains: tuple[int, ...]
 
     @property

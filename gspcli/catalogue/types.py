@@ -19,14 +19,9 @@ MAX_ANGLES = 3
 
 @dataclass(frozen=True, order=True)
 class PlatformClass:
-    """One of the classes 3D3A, 4D2A, 5D1A and 6D (Section 2).
+    """One of the classes 3D3A, 4D2A, 5D1A and 6D (Section 2)."""
 
-    Attributes
-    ----------
-    distances, angles
-        How many distance and how many angle constraints a platform of the class has.
-    """
-
+    #: How many distance and how many angle constraints a platform of the class has.
     distances: int
     angles: int
 

@@ -44,22 +44,15 @@ _CONVERGED = 1e-11
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A set of poses around a sample, where solutions are not isolated over the complex numbers.
+    """A set of poses around a sample, where solutions are not isolated over the complex numbers."""
 
-    Attributes
-    ----------
-    dimension
-        Local dimension of the set, as far as independent steps were found. Zero is that of a real
-        pose from which no real motion begins (`gspcli.geometry.local_motions`).
-    real
-        Whether the poses are real, so that the platform really moves if the dimension is not
-        zero; else the set is known only over the complex numbers.
-    R, T
-        Consecutive poses, shapes (m, 3, 3) and (m, 3); the first is the sample.
-    """
-
+    #: Local dimension of the set, as far as independent steps were found. Zero is that of a real
+    #: pose from which no real motion begins (`gspcli.geometry.local_motions`).
     dimension: int
+    #: Whether the poses are real, so that the platform really moves if the dimension is not zero;
+    #: else the set is known only over the complex numbers.
     real: bool
+    #: Consecutive poses, shapes (m, 3, 3) and (m, 3); the first is the sample.
     R: Field
     T: Field
 

@@ -31,32 +31,23 @@ class Measures:
     """The measured distances as forms in the Study parameters.
 
     A form (a, b), shape (4, 8), is ``s^2 e^T a e + s e^T b f`` at the Study point (s e, f).
-
-    Attributes
-    ----------
-    forms
-        All forms, shape (count, 4, 8), each times N. First the heights over planes and the moments
-        of two lines. Then the squared distances of points without ``4 f.f``: those for spheres,
-        those for cylinders. Then the height along the axis of each cylinder. Last the three
-        components of the vector product of the directions of two lines.
-    skew
-        Which of the heights are moments of two lines.
-    flat, curved
-        Positions of the heights and of the squares among the distances.
-    spheres
-        How many of the squares are those of spheres.
-    basis
-        The forms of T or of U if all distances are simplest in them, else None.
-    signs
-        The combinations of sides asked for: ``height = sign distance``, shape (s, k).
     """
 
+    #: All forms, shape (count, 4, 8), each times N. First the heights over planes and the moments
+    #: of two lines. Then the squared distances of points without ``4 f.f``: those for spheres,
+    #: those for cylinders. Then the height along the axis of each cylinder. Last the three
+    #: components of the vector product of the directions of two lines.
     forms: Array
+    #: Which of the heights are moments of two lines.
     skew: list[int]
+    #: Positions of the heights and of the squares among the distances.
     flat: list[int]
     curved: list[int]
+    #: How many of the squares are those of spheres.
     spheres: int
+    #: The forms of T or of U if all distances are simplest in them, else None.
     basis: Array | None
+    #: The combinations of sides asked for: ``height = sign distance``, shape (s, k).
     signs: Array
 
 
@@ -143,22 +134,14 @@ def signs_of(arrangement: Arrangement, planes: list[int]) -> Array:
 
 
 class StudyPoints(NamedTuple):
-    """Poses for sets of values, b in number.
+    """Poses for sets of values, b in number."""
 
-    Attributes
-    ----------
-    points
-        Study points of any norm, shape (b, s, n, 8) for s combinations of sides; exactly real for
-        real poses, zero where a set is not in general position.
-    general
-        Which sets are in general position, shape (b,): by Bezout's theorem they have no other
-        poses.
-    signs
-        The sign of each constraint for each combination, shape (s, 6).
-    """
-
+    #: Study points of any norm, shape (b, s, n, 8) for s combinations of sides; exactly real for
+    #: real poses, zero where a set is not in general position.
     points: Complex
+    #: Which sets are in general position, shape (b,): by Bezout's theorem they have no other poses.
     general: NDArray[np.bool_]
+    #: The sign of each constraint for each combination, shape (s, 6).
     signs: Array
 
 

@@ -43,14 +43,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Confirmation:
-    """The result of a confirmation.
+    """The result of a confirmation."""
 
-    Attributes
-    ----------
-    families, instances
-        The numbers of families and instances; every instance had the number of its family.
-    """
-
+    #: The numbers of families and instances; every instance had the number of its family.
     families: int
     instances: int
 
@@ -357,31 +352,21 @@ def proof_of_5_2() -> str:
 
 @dataclass(frozen=True)
 class Erratum:
-    """A statement of the paper that does not hold, or that holds and can be sharpened.
+    """A statement of the paper that does not hold, or that holds and can be sharpened."""
 
-    Attributes
-    ----------
-    key
-        A stable name.
-    sort
-        ``wrong``; ``sharpened``: true, but not the best; or ``slip``: a misprint, or words that do
-        not fit the formulas.
-    place
-        The place in the paper.
-    printed, correct
-        The printed and the correct statement.
-    argument
-        The reason, in a sentence or two.
-    proof
-        A function that proves it and returns its evidence; raises `CheckFailed` otherwise.
-    """
-
+    #: A stable name.
     key: str
+    #: ``wrong``; ``sharpened``: true, but not the best; or ``slip``: a misprint, or words that do
+    #: not fit the formulas.
     sort: Literal["wrong", "sharpened", "slip"]
+    #: The place in the paper.
     place: str
+    #: The printed and the correct statement.
     printed: str
     correct: str
+    #: The reason, in a sentence or two.
     argument: str
+    #: A function that proves it and returns its evidence; raises `CheckFailed` otherwise.
     proof: Callable[[], str]
 
     def document(self) -> dict[str, str]:

@@ -30,25 +30,17 @@ Row = dict[str, str]
 
 @dataclass(frozen=True)
 class Difference:
-    """An entry of a table that the paper prints differently from what is computed.
+    """An entry of a table that the paper prints differently from what is computed."""
 
-    Attributes
-    ----------
-    table
-        The number of the table.
-    row, column
-        The place: the solution and the unknown, or the case and the column of Table 3.
-    printed, computed
-        The two entries.
-    uncertain
-        The reason why the print cannot be read with certainty; empty if it can.
-    """
-
+    #: The number of the table.
     table: int
+    #: The place: the solution and the unknown, or the case and the column of Table 3.
     row: str
     column: str
+    #: The two entries.
     printed: str
     computed: str
+    #: The reason why the print cannot be read with certainty; empty if it can.
     uncertain: str = ""
 
     def __str__(self) -> str:
@@ -107,20 +99,13 @@ Triple = tuple[Kind, Kind, Kind]
 
 @dataclass(frozen=True, order=True)
 class Entry:
-    """One column of the table: a family of twenty types.
+    """One column of the table: a family of twenty types."""
 
-    Attributes
-    ----------
-    n1
-        The maximal number of one-sided solutions.
-    surfaces
-        The three surfaces that meet, in the order P, S, C.
-    distances
-        The three distance kinds in canonical order.
-    """
-
+    #: The maximal number of one-sided solutions.
     n1: int
+    #: The three surfaces that meet, in the order P, S, C.
     surfaces: str
+    #: The three distance kinds in canonical order.
     distances: Triple
 
     @property

@@ -24,26 +24,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Notation:
-    """How products and powers are written.
+    """How products and powers are written."""
 
-    Attributes
-    ----------
-    times
-        What stands between factors.
-    symbol
-        Writes a generator.
-    power
-        Writes a generator, already written, to a power above one.
-    brackets
-        What encloses a sum.
-    quotient
-        Writes a quotient of a numerator (and whether it is a sum) and a divisor (likewise).
-    """
-
+    #: What stands between factors.
     times: str
+    #: Writes a generator.
     symbol: Callable[[str], str]
+    #: Writes a generator, already written, to a power above one.
     power: Callable[[str, int], str]
+    #: What encloses a sum.
     brackets: tuple[str, str]
+    #: Writes a quotient of a numerator (and whether it is a sum) and a divisor (likewise).
     quotient: Callable[[str, bool, str, bool], str]
 
 

@@ -32,17 +32,11 @@ PLACES: dict[str, Sequence[int]] = {
 
 @dataclass(frozen=True)
 class RationalMotion:
-    """A rigid motion ``x_base = R x_platform + T`` with rational entries.
+    """A rigid motion ``x_base = R x_platform + T`` with rational entries."""
 
-    Attributes
-    ----------
-    rotation
-        R, shape (3, 3).
-    translation
-        T, shape (3,).
-    """
-
+    #: R, shape (3, 3).
     rotation: Exact
+    #: T, shape (3,).
     translation: Exact
 
 

@@ -132,20 +132,13 @@ def parametrize(elements: Sequence[Polynomial]) -> tuple[Poly, dict[str, Poly]]:
 
 @dataclass(frozen=True)
 class Definition:
-    """What a coefficient symbol stands for: an exact quotient.
+    """What a coefficient symbol stands for: an exact quotient."""
 
-    Attributes
-    ----------
-    symbol
-        As ``z1``.
-    numerator
-        A polynomial in the parameters and in symbols defined before.
-    divisor
-        Such a polynomial that divides the numerator once both are written in the parameters.
-    """
-
+    #: As ``z1``.
     symbol: str
+    #: A polynomial in the parameters and in symbols defined before.
     numerator: Polynomial
+    #: Such a polynomial that divides the numerator once both are written in the parameters.
     divisor: Polynomial
 
     def value(self, known: Values, one: Any) -> Any:
@@ -167,20 +160,13 @@ class Relation:
 
 @dataclass(frozen=True)
 class TriangularPolynomial:
-    """One polynomial of a triangular set.
+    """One polynomial of a triangular set."""
 
-    Attributes
-    ----------
-    name
-        As ``h1``.
-    leading
-        The leading variable: the highest that occurs.
-    polynomial
-        The polynomial, set equal to zero.
-    """
-
+    #: As ``h1``.
     name: str
+    #: The leading variable: the highest that occurs.
     leading: str
+    #: The polynomial, set equal to zero.
     polynomial: Polynomial
 
     @cached_property
@@ -196,63 +182,41 @@ class TriangularPolynomial:
 
 @dataclass(frozen=True)
 class NonVanishing:
-    """Something that must not vanish, or the set does not describe all the solutions.
+    """Something that must not vanish, or the set does not describe all the solutions."""
 
-    Attributes
-    ----------
-    polynomial
-        The polynomial that must not vanish (at the solutions, if unknowns occur in it).
-    meaning
-        What it means geometrically if it vanishes.
-    elements
-        The elements whose initial it is; empty for a divisor used in the elimination.
-    """
-
+    #: The polynomial that must not vanish (at the solutions, if unknowns occur in it).
     polynomial: Polynomial
+    #: What it means geometrically if it vanishes.
     meaning: str
+    #: The elements whose initial it is; empty for a divisor used in the elimination.
     elements: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class TriangularSet:
-    """A triangular set for a system of equations, with everything needed to check it.
+    """A triangular set for a system of equations, with everything needed to check it."""
 
-    Attributes
-    ----------
-    case
-        As ``PSC``.
-    title
-        What is intersected, in words.
-    source
-        The place in the paper.
-    variables
-        The unknowns in ascending order.
-    parameters
-        The letters of the system's coefficients.
-    system
-        The equations that the set solves.
-    definitions
-        The coefficient symbols, each after those that it uses.
-    steps
-        Intermediate relations of the elimination, for the reader.
-    elements
-        The set itself, ascending.
-    conditions
-        When the set may fail to describe the solutions.
-    notes
-        Remarks, such as differences from what the paper prints.
-    """
-
+    #: As ``PSC``.
     case: str
+    #: What is intersected, in words.
     title: str
+    #: The place in the paper.
     source: str
+    #: The unknowns in ascending order.
     variables: tuple[str, ...]
+    #: The letters of the system's coefficients.
     parameters: tuple[str, ...]
+    #: The equations that the set solves.
     system: tuple[Relation, ...]
+    #: The coefficient symbols, each after those that it uses.
     definitions: tuple[Definition, ...]
+    #: The set itself, ascending.
     elements: tuple[TriangularPolynomial, ...]
+    #: When the set may fail to describe the solutions.
     conditions: tuple[NonVanishing, ...]
+    #: Intermediate relations of the elimination, for the reader.
     steps: tuple[Relation, ...] = ()
+    #: Remarks, such as differences from what the paper prints.
     notes: tuple[str, ...] = ()
 
     @property

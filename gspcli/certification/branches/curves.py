@@ -658,26 +658,18 @@ def _contraction(matrix: arb_mat) -> tuple[float, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Fold:
-    """A proved fold.
+    """A proved fold."""
 
-    Attributes
-    ----------
-    low, high
-        Floats; the part of the step before the fold lies between them.
-    point, direction
-        The Study point there, and the direction u of the two branches, shape (8,); rounded.
-    bends
-        The sign of the second derivative of t along the branches: -1 if both end at the fold, 1
-        if both begin there.
-    equations, zero
-        The equations, and their zero within `NARROW`.
-    """
-
+    #: Floats; the part of the step before the fold lies between them.
     low: float
     high: float
+    #: The Study point there, and the direction u of the two branches, shape (8,); rounded.
     point: Array
     direction: Array
+    #: The sign of the second derivative of t along the branches: -1 if both end at the fold, 1 if
+    #: both begin there.
     bends: int
+    #: The equations, and their zero within `NARROW`.
     equations: FoldSystem
     zero: tuple[arb, ...]
 

@@ -56,29 +56,20 @@ class ValueFunction(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class MovingEquations:
-    """The equations of the six constraints, lengths in units of `scale`.
+    """The equations of the six constraints, lengths in units of `scale`."""
 
-    Attributes
-    ----------
-    scale
-        A power of two, the unit of length.
-    shapes, laws
-        Of each constraint, shape (6,).
-    signs
-        The sign of c, shape (6,).
-    hessians
-        Hessian matrices of A and B (zero if there is none), shape (6, 2, 8, 8). They differ from
-        the exact ones by less than 2^-50 of `moduli`.
-    spectral, moduli
-        Upper bounds of the spectral norms of these matrices, and of those of the moduli of the
-        terms that add up to their entries, shape (6, 2).
-    """
-
+    #: A power of two, the unit of length.
     scale: float
+    #: Of each constraint, shape (6,).
     shapes: NDArray[np.int32]
     laws: NDArray[np.int32]
+    #: The sign of c, shape (6,).
     signs: Array
+    #: Hessian matrices of A and B (zero if there is none), shape (6, 2, 8, 8). They differ from the
+    #: exact ones by less than 2^-50 of `moduli`.
     hessians: Array
+    #: Upper bounds of the spectral norms of these matrices, and of those of the moduli of the terms
+    #: that add up to their entries, shape (6, 2).
     spectral: Array
     moduli: Array
 

@@ -649,17 +649,11 @@ _OTHER_ANGLE = Number.of(37)
 
 @dataclass(frozen=True)
 class ApproximatePose:
-    """A complex pose in high precision, without a bound of its error.
+    """A complex pose in high precision, without a bound of its error."""
 
-    Attributes
-    ----------
-    R
-        The rotation, by rows.
-    T
-        The translation.
-    """
-
+    #: The rotation, by rows.
     R: tuple[tuple[acb, acb, acb], ...]
+    #: The translation.
     T: tuple[acb, acb, acb]
 
 

@@ -26,23 +26,15 @@ class NoElementError(ValueError):
 
 
 class Term(NamedTuple):
-    """A term without its rational factor.
+    """A term without its rational factor."""
 
-    Attributes
-    ----------
-    radicand
-        n of ``sqrt(n)``, a positive integer that is 1 or no square.
-    turn
-        q of ``exp(2 pi i q)``, in [0, 1/2): a half turn is the factor -1.
-    radians
-        r of ``exp(i r)``.
-    pi
-        The power of pi.
-    """
-
+    #: N of ``sqrt(n)``, a positive integer that is 1 or no square.
     radicand: int
+    #: Q of ``exp(2 pi i q)``, in [0, 1/2): a half turn is the factor -1.
     turn: Fraction
+    #: R of ``exp(i r)``.
     radians: Fraction
+    #: The power of pi.
     pi: int
 
     def __hash__(self) -> int:
@@ -119,14 +111,9 @@ def _times(a: Sum, b: Sum) -> Sum:
 
 @dataclass(frozen=True)
 class FieldElement:
-    """A number of the ring's quotient field.
+    """A number of the ring's quotient field."""
 
-    Attributes
-    ----------
-    numerator, denominator
-        Sums of terms.
-    """
-
+    #: Sums of terms.
     numerator: Sum
     denominator: Sum
 
@@ -292,17 +279,11 @@ _NONE = Fraction(0)
 
 @dataclass(frozen=True)
 class Angle:
-    """An angle in radians: a multiple of pi, a rational number, and integer multiples of arcs.
+    """An angle in radians: a multiple of pi, a rational number, and integer multiples of arcs."""
 
-    Attributes
-    ----------
-    constant
-        The part without arcs.
-    arcs
-        Pairs of an arccosine, arcsine or arctangent and its factor.
-    """
-
+    #: The part without arcs.
     constant: FieldElement
+    #: Pairs of an arccosine, arcsine or arctangent and its factor.
     arcs: tuple[tuple[Number, FieldElement], ...] = ()
 
     @classmethod

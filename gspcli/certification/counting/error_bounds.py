@@ -161,20 +161,13 @@ def field_degree(requirements: Requirements) -> int:
 
 @dataclass(frozen=True)
 class MinorBits:
-    """Bits of the integers of which a prime with a wrong count is a factor.
+    """Bits of the integers of which a prime with a wrong count is a factor."""
 
-    Attributes
-    ----------
-    height
-        The height of every equation.
-    variety
-        The variety of the motions in the chosen coordinates.
-    moments
-        The number of further coordinates.
-    """
-
+    #: The height of every equation.
     height: float
+    #: The variety of the motions in the chosen coordinates.
     variety: Variety
+    #: The number of further coordinates.
     moments: int
 
     @classmethod

@@ -119,29 +119,21 @@ _LARGE_COUNT = 100
 
 @dataclass(frozen=True)
 class SideCount:
-    """The solutions for one choice of sides.
+    """The solutions for one choice of sides."""
 
-    Attributes
-    ----------
-    signs
-        The side of the plane of each constraint, 1 or -1; 1 for constraints without a plane.
-    solutions, distinct, spurious, spurious_distinct
-        As in `ExactCount`; also None if another choice of sides is infinite and this was not
-        counted.
-    parallel
-        Indices of the DLL whose lines are parallel at every pose. Each is counted as the distance
-        of a point of its line: the equation of the DLL holds at any distance.
-    parts
-        The poses by the DLL whose lines are parallel, if lines are parallel on infinitely many
-        solutions of the equations, but not at every pose. The last part may be infinite.
-    """
-
+    #: The side of the plane of each constraint, 1 or -1; 1 for constraints without a plane.
     signs: tuple[int, ...]
+    #: As in `ExactCount`; also None if another choice of sides is infinite and this was not
+    #: counted.
     solutions: int | None
     distinct: int | None
     spurious: int | None
     spurious_distinct: int | None
+    #: Indices of the DLL whose lines are parallel at every pose. Each is counted as the distance of
+    #: a point of its line: the equation of the DLL holds at any distance.
     parallel: tuple[int, ...] = ()
+    #: The poses by the DLL whose lines are parallel, if lines are parallel on infinitely many
+    #: solutions of the equations, but not at every pose. The last part may be infinite.
     parts: tuple[PartCount, ...] = ()
 
     @property
@@ -155,47 +147,33 @@ class ExactCount:
     """The number of complex solutions of the equations of an instance (paper, Section 4).
 
     If the lines of a DLL are parallel at every pose, its equation is that of a point and a line.
-
-    Attributes
-    ----------
-    finite
-        Whether their number is finite.
-    solutions
-        Their number with multiplicity, for the sides asked for; None if infinite.
-    distinct
-        The number of distinct ones; None if infinite, or too much work.
-    error
-        0.0 if `finite` and `solutions` are proved for certain; else a bound of the probability that
-        the random prime gave a wrong result.
-    distinct_error
-        The error of `distinct`, `spurious` and `spurious_distinct`.
-    proved_lower
-        A lower bound of the isolated solutions with multiplicity, proved for certain.
-    proved_distinct
-        A lower bound of the distinct isolated solutions, proved for certain.
-    sides
-        The counts for each choice of sides; solutions on both sides at once do not occur.
-    spurious, spurious_distinct
-        The number of solutions that are no poses: the lines of a DLL are parallel, so that its
-        equation holds at any distance, and have another distance. None if unknown or infinite.
-    has_lone_lines
-        Whether the lines of no two DLL can be parallel together. Then a platform of the geometry
-        that has as many distinct simple solutions as the count of the geometry has no others.
-    primes
-        The primes that were used; more than one only if one was not enough.
     """
 
+    #: Whether their number is finite.
     finite: bool
+    #: Their number with multiplicity, for the sides asked for; None if infinite.
     solutions: int | None
+    #: The number of distinct ones; None if infinite, or too much work.
     distinct: int | None
+    #: 0.0 if `finite` and `solutions` are proved for certain; else a bound of the probability that
+    #: the random prime gave a wrong result.
     error: float
+    #: The error of `distinct`, `spurious` and `spurious_distinct`.
     distinct_error: float
+    #: A lower bound of the isolated solutions with multiplicity, proved for certain.
     proved_lower: int
+    #: A lower bound of the distinct isolated solutions, proved for certain.
     proved_distinct: int
+    #: The counts for each choice of sides; solutions on both sides at once do not occur.
     sides: tuple[SideCount, ...]
+    #: The number of solutions that are no poses: the lines of a DLL are parallel, so that its
+    #: equation holds at any distance, and have another distance. None if unknown or infinite.
     spurious: int | None
     spurious_distinct: int | None
+    #: Whether the lines of no two DLL can be parallel together. Then a platform of the geometry
+    #: that has as many distinct simple solutions as the count of the geometry has no others.
     has_lone_lines: bool
+    #: The primes that were used; more than one only if one was not enough.
     primes: tuple[int, ...]
 
     def confirmed(self, other: ExactCount) -> ExactCount:
@@ -404,29 +382,20 @@ _MOST_DIMENSIONS = 6
 
 @dataclass(frozen=True)
 class PartCount:
-    """The poses at which the lines of some DLL are parallel, and the lines of no other DLL.
+    """The poses at which the lines of some DLL are parallel, and the lines of no other DLL."""
 
-    Attributes
-    ----------
-    parallel
-        The indices of these DLL.
-    solutions, distinct
-        Their numbers with and without multiplicity; None if infinite. With parallel lines the
-        multiplicity is that of a solution of more than six equations. With hyperplanes the distinct
-        poses are not counted.
-    error
-        A bound of the probability that the result of the random primes is wrong.
-    work
-        The number of multiplications.
-    primes
-        The primes that were used.
-    """
-
+    #: The indices of these DLL.
     parallel: tuple[int, ...]
+    #: Their numbers with and without multiplicity; None if infinite. With parallel lines the
+    #: multiplicity is that of a solution of more than six equations. With hyperplanes the distinct
+    #: poses are not counted.
     solutions: int | None
     distinct: int | None
+    #: A bound of the probability that the result of the random primes is wrong.
     error: float
+    #: The number of multiplications.
     work: int
+    #: The primes that were used.
     primes: tuple[int, ...]
 
     def confirmed(self, other: PartCount) -> PartCount:
@@ -635,20 +604,13 @@ _ALL = max(DEGREES)
 
 @dataclass(frozen=True)
 class ParallelLines:
-    """The DLL of a platform whose lines are parallel at every pose.
+    """The DLL of a platform whose lines are parallel at every pose."""
 
-    Attributes
-    ----------
-    constraints
-        Their indices.
-    error
-        A bound of the probability that this is wrong.
-    work
-        The number of multiplications.
-    """
-
+    #: Their indices.
     constraints: tuple[int, ...]
+    #: A bound of the probability that this is wrong.
     error: float
+    #: The number of multiplications.
     work: int
 
     def confirmed(self, other: ParallelLines) -> ParallelLines:
@@ -908,21 +870,14 @@ def _infinite(
 
 @dataclass(frozen=True)
 class _Side:
-    """The count for a choice of sides.
+    """The count for a choice of sides."""
 
-    Attributes
-    ----------
-    side
-        The counts.
-    error, distinct_error
-        As in `ExactCount`; None if they are those of the count of all sides.
-    proved_lower, proved_distinct
-        As in `ExactCount`, if they are not in the count of all sides.
-    """
-
+    #: The counts.
     side: SideCount
+    #: As in `ExactCount`; None if they are those of the count of all sides.
     error: float | None = None
     distinct_error: float | None = None
+    #: As in `ExactCount`, if they are not in the count of all sides.
     proved_lower: int = 0
     proved_distinct: int = 0
 

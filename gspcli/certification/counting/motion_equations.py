@@ -62,33 +62,21 @@ FUNCTIONS = study.COUNT - 1
 
 @dataclass(frozen=True)
 class MotionEquation:
-    """``linear + sum of weight * square^2 = 0``.
+    """``linear + sum of weight * square^2 = 0``."""
 
-    Attributes
-    ----------
-    linear
-        The function that enters linearly.
-    squares
-        Pairs of a weight and a function.
-    """
-
+    #: The function that enters linearly.
     linear: Function
+    #: Pairs of a weight and a function.
     squares: list[tuple[Any, Function]] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class MotionEquations:
-    """The equations of a platform.
+    """The equations of a platform."""
 
-    Attributes
-    ----------
-    moments
-        The mutual moments of the DLL constraints: functions of position `FUNCTIONS` and following.
-    equations
-        One for each constraint.
-    """
-
+    #: The mutual moments of the DLL constraints: functions of position `FUNCTIONS` and following.
     moments: list[Function]
+    #: One for each constraint.
     equations: list[MotionEquation]
 
 
@@ -176,29 +164,20 @@ _SIGNS: dict[Side, tuple[int, ...]] = {
 
 @dataclass(frozen=True)
 class ExactConstraint:
-    """A constraint with exact numbers.
+    """A constraint with exact numbers."""
 
-    Attributes
-    ----------
-    kind
-        The kind.
-    a, b
-        A point of the platform and of the base primitive.
-    u, v
-        Direction or normal of either, of any length; empty for points.
-    value
-        The number in the equation: the square of the distance; for DPH and DHP the distance times
-        the length of the normal; for angles the value of ``R u . v``.
-    sides
-        The signs of the value: both 1 and -1 for a DPH or DHP of both sides.
-    """
-
+    #: The kind.
     kind: Kind
+    #: A point of the platform and of the base primitive.
     a: tuple[FieldElement, ...]
     b: tuple[FieldElement, ...]
+    #: Direction or normal of either, of any length; empty for points.
     u: tuple[FieldElement, ...]
     v: tuple[FieldElement, ...]
+    #: The number in the equation: the square of the distance; for DPH and DHP the distance times
+    #: the length of the normal; for angles the value of ``R u . v``.
     value: FieldElement
+    #: The signs of the value: both 1 and -1 for a DPH or DHP of both sides.
     sides: tuple[int, ...]
 
     @property

@@ -34,88 +34,59 @@ class Ending(IntEnum):
 
 @dataclass(frozen=True)
 class Step:
-    """A step of an elimination: independent rows and the pivot of each.
+    """A step of an elimination: independent rows and the pivot of each."""
 
-    Attributes
-    ----------
-    degree
-        The degree d. Columns are the products of normal monomials of degree d - 1 and variables,
-        then the normal monomials below, both in degree reverse lexicographic order.
-    sources
-        For each row the number of a generator, or two variables and the exponents of the normal
-        monomial whose commutator it is.
-    pivots
-        For each row the column of its pivot after the elimination.
-    """
-
+    #: The degree d. Columns are the products of normal monomials of degree d - 1 and variables,
+    #: then the normal monomials below, both in degree reverse lexicographic order.
     degree: int
+    #: For each row the number of a generator, or two variables and the exponents of the normal
+    #: monomial whose commutator it is.
     sources: list[list[int]]
+    #: For each row the column of its pivot after the elimination.
     pivots: list[int]
 
 
 @dataclass(frozen=True)
 class EliminationTrace:
-    """The record of a computation modulo a prime, to repeat it in other arithmetic.
+    """The record of a computation modulo a prime, to repeat it in other arithmetic."""
 
-    Attributes
-    ----------
-    prime
-        The prime.
-    variables, coordinates
-        Functions of a motion: the variables, and all coordinates in use with 1.
-    relations
-        The first generators: quadrics that vanish on the motions, coefficients of the products
-        ``x_i x_j``, j <= i, of the coordinates, row by row.
-    quadrics
-        The generators behind them: numbers of the equations that are not linear.
-    steps
-        The steps, a fall of degree after each whose pivots are not all in its degree.
-    """
-
+    #: The prime.
     prime: int
+    #: Functions of a motion: the variables, and all coordinates in use with 1.
     variables: list[int]
     coordinates: list[int]
+    #: The first generators: quadrics that vanish on the motions, coefficients of the products ``x_i
+    #: x_j``, j <= i, of the coordinates, row by row.
     relations: list[list[int]]
+    #: The generators behind them: numbers of the equations that are not linear.
     quadrics: list[int]
+    #: The steps, a fall of degree after each whose pivots are not all in its degree.
     steps: list[Step]
 
 
 @dataclass(frozen=True)
 class ResidueCount:
-    """The solutions of six equations modulo a prime.
+    """The solutions of six equations modulo a prime."""
 
-    Attributes
-    ----------
-    outcome
-        Whether their number is finite, over the algebraic closure of the prime field.
-    solutions
-        Their number with multiplicity, if finite.
-    distinct
-        Values that a random linear form takes on them, never more than there are distinct ones;
-        None if not asked for or too much work.
-    apart
-        For each of the groups asked for the number of solutions where none of its members vanishes,
-        with multiplicity, and distinct; fewer pairs if it is too much work.
-    has_falls
-        Whether relations of lower degree were found; without them no solution is at infinity.
-    reach
-        All relations are sums of products of equations and monomials up to this degree.
-    all_commutators
-        Whether every condition of a border basis was checked, rather than a random combination.
-    work
-        The number of multiplications.
-    followed
-        The record of the elimination, if asked for.
-    """
-
+    #: Whether their number is finite, over the algebraic closure of the prime field.
     outcome: Ending
+    #: Their number with multiplicity, if finite.
     solutions: int
+    #: Values that a random linear form takes on them, never more than there are distinct ones; None
+    #: if not asked for or too much work.
     distinct: int | None
+    #: For each of the groups asked for the number of solutions where none of its members vanishes,
+    #: with multiplicity, and distinct; fewer pairs if it is too much work.
     apart: tuple[tuple[int, int], ...]
+    #: Whether relations of lower degree were found; without them no solution is at infinity.
     has_falls: bool
+    #: All relations are sums of products of equations and monomials up to this degree.
     reach: int
+    #: Whether every condition of a border basis was checked, rather than a random combination.
     all_commutators: bool
+    #: The number of multiplications.
     work: int
+    #: The record of the elimination, if asked for.
     followed: EliminationTrace | None = None
 
 

@@ -470,20 +470,13 @@ def _contrast(pair: tuple[float, float]) -> float:
 
 @dataclass(frozen=True)
 class Measurement:
-    """A constraint measured on a real pose, in the units of the instance.
+    """A constraint measured on a real pose, in the units of the instance."""
 
-    Attributes
-    ----------
-    value
-        A ball of the distance or angle.
-    target
-        A ball of the value that the constraint states.
-    height
-        For PH and HP a ball of the signed distance, positive where the normal points.
-    """
-
+    #: A ball of the distance or angle.
     value: arb
+    #: A ball of the value that the constraint states.
     target: arb
+    #: For PH and HP a ball of the signed distance, positive where the normal points.
     height: arb | None = None
 
 

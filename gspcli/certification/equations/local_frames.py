@@ -96,14 +96,9 @@ _NOWHERE = (Fraction(0),) * 3
 
 @dataclass(frozen=True)
 class LocalFrames:
-    """The origins of the frames: ``T_centred = T + R platform - base``.
+    """The origins of the frames: ``T_centred = T + R platform - base``."""
 
-    Attributes
-    ----------
-    platform, base
-        The origins in the frames of the instance, exact.
-    """
-
+    #: The origins in the frames of the instance, exact.
     platform: tuple[Fraction, Fraction, Fraction]
     base: tuple[Fraction, Fraction, Fraction]
 
@@ -234,17 +229,11 @@ def _moved(geometry: Geometry, origin: Sequence[Fraction]) -> Geometry:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StudyFrames:
-    """Coordinates of Study points: ``T_instance = length T + base - R platform``.
+    """Coordinates of Study points: ``T_instance = length T + base - R platform``."""
 
-    Attributes
-    ----------
-    length
-        The unit of length.
-    platform, base
-        The origins in the frames of the instance, shape (3,).
-    """
-
+    #: The unit of length.
     length: float
+    #: The origins in the frames of the instance, shape (3,).
     platform: Sequence[float] | NDArray[np.float64]
     base: Sequence[float] | NDArray[np.float64]
 

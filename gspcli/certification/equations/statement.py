@@ -19,33 +19,23 @@ from gspcli.records import dataclass
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """A constraint with balls for its numbers.
+    """A constraint with balls for its numbers."""
 
-    Attributes
-    ----------
-    kind, side
-        Those of the constraint.
-    a, b
-        A point of the platform and of the base primitive, in units of the scale.
-    u, v
-        Direction or normal of the platform and of the base primitive, of length near one; empty
-        for points.
-    value
-        The distance in units of the scale, or the angle in radians.
-    is_zero
-        Whether the value is exactly zero.
-    unit
-        The factor that turns `value` into the units of the instance.
-    """
-
+    #: Those of the constraint.
     kind: Kind
     side: Side
+    #: A point of the platform and of the base primitive, in units of the scale.
     a: list[arb]
     b: list[arb]
+    #: Direction or normal of the platform and of the base primitive, of length near one; empty for
+    #: points.
     u: list[arb]
     v: list[arb]
+    #: The distance in units of the scale, or the angle in radians.
     value: arb
+    #: Whether the value is exactly zero.
     is_zero: bool
+    #: The factor that turns `value` into the units of the instance.
     unit: arb
 
     @cached_property
