@@ -71,6 +71,7 @@ KERNEL = {
     "reach.cpp": (1, "a bound from below"),
     "reach_module.cpp": (2, "corners of boxes, as wide as they may be computed elsewhere"),
     "branch_follower.cpp": (1, "ends of segments of one mode"),
+    "tracker.cpp": (2, "no proof: digits of long series"),
     "segment_proof.hpp": (5, "counted: values, gradients, products; a sampled parabola"),
 }
 
