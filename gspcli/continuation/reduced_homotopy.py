@@ -7,6 +7,7 @@ linear algebra eliminates need not be followed (native/reduced_homotopy.hpp).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,8 @@ from gspcli.continuation.start import StartSystem
 from gspcli.continuation.tracker import QUICK, PathStatus, TrackerOptions, helpful
 from gspcli.records import dataclass
 
+#: Where lost paths are noticed at once, and few unknowns make jumps rare.
+LONG_STEPS = replace(QUICK, predictor_tolerance=1e-2, contraction=0.25)
 #: Quadrics are nearly dependent if a combination is smaller than this part of the largest. They are
 #: dependent, up to rounding, below the other one.
 _NEARLY, _DEPENDENT = 1e-2, 1e-13
@@ -189,7 +192,7 @@ class ReducedHomotopy:
         start: NDArray[np.int32],
         values: ComplexArray,
         *,
-        options: TrackerOptions = QUICK,
+        options: TrackerOptions = LONG_STEPS,
         jobs: int = 1,
     ) -> ReducedEnds:
         """Track solutions for some values to those for many other values, along straight lines.
@@ -234,7 +237,7 @@ class ReducedHomotopy:
 def ends_from_start(
     start: StartSystem,
     quadrics: ComplexArray,
-    options: TrackerOptions = QUICK,
+    options: TrackerOptions = LONG_STEPS,
     *,
     lower_rank: bool = False,
     keep_lost: bool = False,

@@ -170,13 +170,9 @@ def rotation_form(left: Vector, right: Vector) -> Form:
 
 def square_distance(a: Vector, b: Vector) -> Form:
     """Return N ``|R a + T - b|^2``, the paper's equation (6)."""
-    form = scaled(rotation_form(b, a), -2)
-    form[NORM] = _dot(a, a) + _dot(b, b)
-    form[RHO] = 1
-    for k in range(3):
-        form[BODY[k]] = 2 * a[k]
-        form[TRANSLATION[k]] = -2 * b[k]
-    return form
+    moved = [-2 * x for x in b]
+    form = rotation_form(moved, a) | {NORM: _dot(a, a) + _dot(b, b), RHO: 1}
+    return form | dict(zip(TRANSLATION, moved, strict=True)) | {BODY[k]: 2 * a[k] for k in range(3)}
 
 
 def base_height(a: Vector, b: Vector, v: Vector) -> Form:
@@ -186,8 +182,13 @@ def base_height(a: Vector, b: Vector, v: Vector) -> Form:
 
 def platform_height(a: Vector, b: Vector, u: Vector) -> Form:
     """Return N ``R u . (R a + T - b)`` with u fixed in the platform."""
-    turned = scaled(rotation_form(b, u), -1)
+    turned = rotation_form([-x for x in b], u)
     return turned | {NORM: _dot(u, a)} | dict(zip(BODY, u, strict=True))
+
+
+def plane_height(a: Vector, b: Vector, u: Vector) -> Form:
+    """Return N times the height of b over the plane through a with the normal u."""
+    return platform_height(a, b, [-x for x in u])
 
 
 def mutual_moment(a: Vector, b: Vector, u: Vector, v: Vector) -> Form:
@@ -208,7 +209,7 @@ _FORMS: dict[Kind, Callable[[Vector, Vector, Vector, Vector], list[Form]]] = {
     DPL: lambda a, b, u, v: [square_distance(a, b), base_height(a, b, v)],
     DLP: lambda a, b, u, v: [square_distance(a, b), platform_height(a, b, u)],
     DPH: lambda a, b, u, v: [base_height(a, b, v)],
-    DHP: lambda a, b, u, v: [scaled(platform_height(a, b, u), -1)],
+    DHP: lambda a, b, u, v: [plane_height(a, b, u)],
     DLL: lambda a, b, u, v: [mutual_moment(a, b, u, v), rotation_form(v, u)],
     **dict.fromkeys(ANGLE_KINDS, _directions),
 }

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gspcli.certification.poses.pose_arrays import Bits, PoseProofs
+from gspcli.certification.poses.pose_arrays import Bits, PoseProofs, Poses
 from gspcli.continuation.paths import Basis, PathAccount
 from gspcli.continuation.quadrics import ComplexArray
 from gspcli.solver.poses import CountKind, PoseSet, Proof, joined, on_sides
@@ -18,7 +18,7 @@ from gspcli.solver.problem import Problem
 if TYPE_CHECKING:
     from gspcli.certification.equations.local_frames import StudyFrames
     from gspcli.certification.poses.far_poses import FarPoses
-    from gspcli.certification.poses.locator import StudyPoints
+    from gspcli.certification.poses.locator import Located, StudyPoints
     from gspcli.solver.side_search import SideSearch
 
 
@@ -133,18 +133,22 @@ class Search:
 
         Of many sets of values the real ones: the numbers of others are as good as their bounds say.
         """
+        if found.rounded.all():
+            return
         problem, number = self.problem, found.real.shape[1]
         wanted = ~found.rounded & complete[:, None] & (found.real | (problem.rows is None))
         for k in np.flatnonzero(wanted.any(axis=1)).tolist():
             one = problem
             if problem.rows is not None:
                 one = problem.with_values(problem.rows[self.left[k]])
+            conjugates: list[Located] = []
             for i in np.flatnonzero(wanted[k]).tolist():
+                near = found.R[k, i], found.T[k, i], float(found.deviation[k, i])
                 sides = one.sides[i * len(one.sides) // number]
-                located = one.locator.near_proved(
-                    found.R[k, i], found.T[k, i], found.deviation[k, i], sides
-                )
+                located = next((x for x in conjugates if x.is_within(*near)), None)
+                located = located or one.locator.near_proved(*near, sides)
                 if located is not None:
+                    conjugates.append(located.conjugate)
                     found.R[k, i], found.T[k, i] = located.R, located.T
                     found.quaternions[k, i], found.rounded[k, i] = located.quaternion, True
 
@@ -186,7 +190,8 @@ class Search:
     def poses(self, k: int) -> PoseSet:
         """Return the poses for a complete set of values; its arrays are views of `proved`."""
         assert self.proved is not None
-        return PoseSet.of(self.proved[k], **self._shared)
+        arrays = {name: getattr(self.proved, name)[k] for name in Poses.OF_POSES}
+        return PoseSet(**arrays, **self._shared)
 
     @cached_property
     def _shared(self) -> dict[str, Any]:

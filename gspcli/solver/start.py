@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from gspcli.catalogue.kinds import DLL
 from gspcli.certification.equations.local_frames import StudyFrames
 from gspcli.continuation.quadrics import ComplexArray
-from gspcli.continuation.reduced_homotopy import ReducedEnds, ReducedHomotopy
+from gspcli.continuation.reduced_homotopy import LONG_STEPS, ReducedEnds, ReducedHomotopy
 from gspcli.continuation.start import path_count
 from gspcli.continuation.systems import EQUATIONS, Coefficients, System
 from gspcli.continuation.tracked_paths import TrackedPaths, track_all
@@ -170,7 +170,7 @@ class Start:
         if self.homotopy is None:
             return self._whole_ends(rows, QUICK, jobs)
         parameters = self._parameters(rows)
-        return self._reduced_ends(parameters, self._nearest(parameters), QUICK, jobs)
+        return self._reduced_ends(parameters, self._nearest(parameters), LONG_STEPS, jobs)
 
     def short_ends(self, rows: Array, jobs: int = 1) -> StudyEnds:
         """Return the same, by short steps from the first system, with a homotopy."""

@@ -182,27 +182,24 @@ def equation(kind: Kind, y: Array, x: Array, u: Array, v: Array, value: Scalars)
     """
     # Components first, as `forms_of` takes vectors.
     a, b = _components(y), _components(x)
-    form, *further = study.forms_of(kind, a, b, _components(u), _components(v))
-    letter = kind.space
-    if kind in (DPL, DLP):
-        height, direction = (study.base_height, v) if kind is DPL else (_plane_point, u)
+    letter, like = kind.space, y * x
+    if kind is DPL or kind is DLP:
+        height, direction = (study.base_height, v) if kind is DPL else (study.plane_height, u)
         normals = map(_components, _across(direction))
-        first, second = (_quadric(letter, height(a, b, normal)) for normal in normals)
+        first, second = (_quadric(letter, height(a, b, normal), like) for normal in normals)
         return _factors(letter, first, second, value)
-    quadric = _quadric(letter, form)
+    form, *further = study.forms_of(kind, a, b, _components(u), _components(v))
+    quadric = _quadric(letter, form, like)
     if kind is not DLL:
         return QuadricEquation(letter, quadric - _constant(value**2 if kind is DPP else value))
     if (value == 0).all():
         return QuadricEquation(letter, quadric)
-    return _factors(letter, quadric, value[..., None] * _quadric(letter, *further), value)
+    turned = value[..., None] * _quadric(letter, further[0], like)
+    return _factors(letter, quadric, turned, value)
 
 
 def _components(vectors: Scalars) -> list[Scalars]:
     return [vectors[..., k] for k in range(3)]
-
-
-def _plane_point(y: study.Vector, x: study.Vector, u: study.Vector) -> study.Form:
-    return study.scaled(study.platform_height(y, x, u), -1)
 
 
 def _factors(letter: str, a: Scalars, b: Scalars, distance: Scalars) -> QuadricEquation:
@@ -238,12 +235,14 @@ _SPACES = {
 }
 
 
-def _quadric(letter: str, form: study.Form) -> Scalars:
-    """Return the quadric of a combination of the functions of a space, shape (..., 27)."""
-    places, entries = _SPACES[letter], [np.asarray(entry) for entry in form.values()]
-    shape = max(entries, key=np.ndim).shape
-    rows = np.zeros((*shape, len(places)), np.result_type(*entries))
-    for place, entry in zip(form, entries, strict=True):
+def _quadric(letter: str, form: study.Form, like: Scalars) -> Scalars:
+    """Return the quadric of a combination of the functions of a space, shape (..., 27).
+
+    The coefficients have the leading axes (...) and the type of `like`, (..., 3).
+    """
+    places = _SPACES[letter]
+    rows = np.zeros((*like.shape[:-1], len(places)), like.dtype)
+    for place, entry in form.items():
         rows[..., places[place]] = entry
     return _times(rows, BASES[letter])
 

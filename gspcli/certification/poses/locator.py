@@ -126,6 +126,12 @@ class Located:
             return None
         return R.reshape(3, 3), self.scale * T, canonical_sign(quaternion[None])[0]
 
+    def is_within(self, R: Complex, T: Complex, off: float) -> bool:
+        """Whether it is within a bound of the error of a pose, R (3, 3) and T (3,)."""
+        gap = max(np.abs(self.R - R).max(), np.abs(self.T - T).max() / self.scale)
+        size = max(1.0, np.abs(R).max(), np.abs(T).max() / self.scale)
+        return bool(gap <= off + NEAREST * size)
+
     def _in_doubles(self, numbers: Sequence[acb], least_unit: float = 0.0) -> Complex | None:
         """Return numbers in balls as doubles: correctly rounded if real, else accurate."""
         if self.real:
@@ -243,9 +249,7 @@ class Locator:
         for bits in _MANY_BITS:
             found = self.near(R, T, sides, bits)
             if isinstance(found, Located):
-                gap = max(np.abs(found.R - R).max(), np.abs(found.T - T).max() / self.scale)
-                size = max(1.0, np.abs(R).max(), np.abs(T).max() / self.scale)
-                return found if gap <= off + NEAREST * size else None
+                return found if found.is_within(R, T, off) else None
         return None
 
     @staticmethod

@@ -16,7 +16,7 @@ from gspcli.catalogue.kinds import DPH
 from gspcli.catalogue.names import parse_type
 from gspcli.certification.equations.mirror_images import mirrored
 from gspcli.continuation import reduced_homotopy
-from gspcli.continuation.reduced_homotopy import ReducedHomotopy, ends_from_start
+from gspcli.continuation.reduced_homotopy import LONG_STEPS, ReducedHomotopy, ends_from_start
 from gspcli.continuation.start import distinct
 from gspcli.continuation.tracker import DEFAULT, QUICK, PathStatus
 from gspcli.geometry.arrangement import Arrangement
@@ -422,7 +422,7 @@ def test_what_long_steps_lose_is_found_by_short_ones(monkeypatch):
     def losing(*given, options, jobs):
         ends = track(*given, options=options, jobs=jobs)
         tolerances.append(options.predictor_tolerance)
-        if options is QUICK:
+        if options is LONG_STEPS:
             ends.status[2, 3] = PathStatus.FAILED
         return ends
 
