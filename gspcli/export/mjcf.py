@@ -413,4 +413,4 @@ def _quaternion(R: Array) -> Array:
 
 def _numbers(values: object) -> str:
     """Return numbers that read back as the same doubles."""
-    return " ".join(repr(float(value)) for value in np.ravel(np.asarray(values, dtype=float)))
+    return " ".join(map(repr, (np.ravel(np.asarray(values, dtype=float)) + 0.0).tolist()))
