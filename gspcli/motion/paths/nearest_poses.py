@@ -1,13 +1,12 @@
 """The nearest pose within the limits: where to go if the given pose is out of reach.
 
-`LimitSearch` finds it from several poses. That is a search: it does not exclude nearer poses, and
-whether a way leads there is not its question (`gsp path`). Cranks and slides keep their working
-modes. Rods that share a drive are parallel at one orientation, which stays.
+Sequential quadratic programming (``gspcli/export/controller/nearest.c``) finds it from several
+poses. That is a search: it does not exclude nearer poses, and whether a way leads there is not its
+question (`gsp path`). Cranks and slides keep their working modes. Rods that share a drive are
+parallel at one orientation, which stays.
 
 The distance of two poses is ``sqrt(|p - p'|^2 + (L theta)^2)``: p is the position of a point of
-the platform, theta the angle between the rotations, L the typical length of the platform. The
-search is sequential quadratic programming (``gspcli/export/controller/nearest.c``). It does not
-exclude nearer poses.
+the platform, theta the angle between the rotations, L the typical length of the platform.
 """
 
 from __future__ import annotations
@@ -15,8 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from copy import copy
-from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -125,19 +123,23 @@ class NearestPoses:
         self.pivot = np.zeros(3) if pivot is None else np.asarray(pivot, float)
         self._machine = Machine.of(instance).at_home(self.R, self.T)
         self._still = self._machine.shared
-        self._search = LimitSearch(instance, self.R, self.T, self.pivot, still=self._still)
-        drives = Machine.of(instance)
-        #: Which values have a range of one number, and so stay: shape (6,).
-        self._fixed = (drives.low == drives.high)[drives.index] | drives.stays
+        numbers = platform_numbers(instance, shared=self._still)
+        limits = limit_numbers(instance, numbers, pivot=self.pivot, still=self._still)
+        self._kernel = _kernel.Controller(numbers.kind, numbers.either, numbers.doubles)
+        self._kernel.limit(*limits.arguments)
+        #: What turns are multiplied by in distances: the typical length of the platform.
+        self.length = limits.weight * numbers.reach
+        self._far = NEVER * numbers.reach / 10
         #: Poses are rounded unless doubles near to a pose are not near enough.
-        self._rounds = not (self._fixed.any() or self._still)
-        if not self._search.begins:
+        single = self._machine.low == self._machine.high
+        self._rounds = not (self._machine.fixed.any() or single.any() or self._still)
+        if self._kernel.start(_numbers(self.R, self.T)):
+            raise ArgumentError(
+                "a crank or slide does not reach this pose, or lines are parallel there", "R, T"
+            )
+        proved = self._kernel.report()[0] == 1
+        if not (proved and self._room(self.R, self.T).min() >= -MARGIN * self.length):
             raise ArgumentError("the pose is singular, or not within all ranges and cones", "R, T")
-
-    @property
-    def length(self) -> float:
-        """What turns are multiplied by in distances: the typical length of the platform."""
-        return self._search.length
 
     def slack(self, R: Array, T: Array) -> Array:
         """Return how far a pose is within each limit, as lengths, negative outside, shape (c,).
@@ -145,7 +147,11 @@ class NearestPoses:
         The limits are narrower by 1e-7 of the length. Of a crank or slide it is how much its rod
         would be too short or too long at the end of its range.
         """
-        return self._search.slack(R, T)
+        room = self._room(R, T)
+        return room[room < self._far]
+
+    def _room(self, R: Array, T: Array) -> Array:
+        return self._kernel.slack(_numbers(R, T))[0]
 
     def of(self, R: ArrayLike, T: ArrayLike) -> NearestPose:
         """Return the nearest pose within the limits that is found.
@@ -162,7 +168,7 @@ class NearestPoses:
         if not found:
             return self._answer((self.R, self.T), goal, (NOT_FOUND,))
         _, pose = min(found, key=lambda one: one[0])
-        return self._answer(pose, goal, None if pose[1] is goal[1] else self._search.met(*pose))
+        return self._answer(pose, goal, None if pose[1] is goal[1] else self._met(*pose))
 
     def along(self, R: ArrayLike, T: ArrayLike) -> Iterator[NearestPose]:
         """Yield the nearest pose to each of n given poses, each sought from the one before.
@@ -193,12 +199,14 @@ class NearestPoses:
         starts = [(self.R, self.T), (R, T), (half, (self.T + T) / 2)]
         found: list[tuple[float, tuple[Array, Array]]] = []
         for start in starts:
-            one = self._search.seek((R, T), (self.R, start[1]) if self._still else start)
+            begin = self.R if self._still else start[0], start[1]
+            one = self._kernel.seek(_numbers(R, T), _numbers(*begin))
             if one is None:
                 continue
-            pose = self._as_printed(one.R, one.T)
+            distance, numbers = one
+            pose = self._as_printed(rotation_from_quaternion(numbers[3:]), numbers[:3])
             if not any(_same(pose, other, self.length) for _, other in found):
-                found.append((one.distance, pose))
+                found.append((distance, pose))
         return found
 
     def _as_printed(self, R: Array, T: Array) -> tuple[Array, Array]:
@@ -216,11 +224,31 @@ class NearestPoses:
             shift = float(np.linalg.norm(T + R @ self.pivot - goal[1] - goal[0] @ self.pivot))
             turn = float(np.linalg.norm(vector_from_rotation(R @ goal[0].T)))
         turn /= self.instance.units.angle.in_radians
-        return NearestPose(R, T, self._readings(R, T), shift, turn, limits or ())
+        readings = self._machine.readings(self._machine.inverse(R, T))
+        return NearestPose(R, T, readings, shift, turn, limits or ())
 
-    def _readings(self, R: Array, T: Array) -> Array:
-        """Return the readings of the values, or of all drives, at a pose."""
-        return self._machine.readings(self._machine.inverse(R, T))
+    def _met(self, R: Array, T: Array) -> tuple[str, ...]:
+        """Return the names of the limits that a pose meets."""
+        near = self._room(R, T) < _MET * self.length
+        return tuple(dict.fromkeys(self._name(k, R, T) for k in np.flatnonzero(near).tolist()))
+
+    def _name(self, slack: int, R: Array, T: Array) -> str:
+        """Return the name of a limit: two of each constraint, then the cones."""
+        machine, k = self._machine, slack // 2
+        if slack >= 12:
+            one = machine.cones[slack - 12]
+            return f"cone of {one.name} at leg {one.constraint + 1}"
+        if not machine.driven[k]:
+            return f"range of {k + 1}"
+        first, second = machine.roots(R, T)[k].tolist()
+        drive = machine.index[k]
+        apart = first - second
+        if machine.sorts[drive] == "crank":
+            apart = math.remainder(apart, 2 * math.pi)
+        end = float((machine.high if slack % 2 else machine.low)[drive])
+        # At the boundary of the reach of a rod both numbers of its drive are equal.
+        what = "range" if min(abs(first - end), abs(second - end)) < abs(apart) / 2 else "reach"
+        return f"{what} of {machine.names[drive].replace('.', ' ')}"
 
 
 def _rounded(R: Array, T: Array, length: float) -> tuple[Array, Array]:
@@ -233,106 +261,6 @@ def _rounded(R: Array, T: Array, length: float) -> tuple[Array, Array]:
 def _same(a: tuple[Array, Array], b: tuple[Array, Array], length: float) -> bool:
     turn = float(np.abs(a[0] - b[0]).max())
     return turn < _SAME and float(np.abs(a[1] - b[1]).max()) < _SAME * length
-
-
-class FoundPose(NamedTuple):
-    """A pose within the limits, locally nearest to the given one."""
-
-    distance: float
-    R: Array
-    T: Array
-
-
-class LimitSearch:
-    """Searches for one platform.
-
-    Parameters
-    ----------
-    instance
-        The platform with its ranges and cones.
-    R, T
-        A pose, shapes (3, 3) and (3,), that decides the sides and working modes.
-    pivot
-        The point of the platform whose position is compared, shape (3,).
-    still
-        Whether the platform keeps its rotation. Rods may share a drive then.
-
-    Raises
-    ------
-    ArgumentError
-        If a crank or slide does not reach the pose, or rods share a drive and the platform may
-        rotate.
-    """
-
-    def __init__(
-        self, instance: Instance, R: Array, T: Array, pivot: ArrayLike, *, still: bool = False
-    ) -> None:
-        self.instance = instance
-        numbers = platform_numbers(instance, shared=still)
-        limits = limit_numbers(instance, numbers, pivot=pivot, still=still)
-        self._kernel = _kernel.Controller(numbers.kind, numbers.either, numbers.doubles)
-        self._kernel.limit(*limits.arguments)
-        #: The typical length of the platform, the factor of angles in distances.
-        self.length = limits.weight * numbers.reach
-        self._far = NEVER * numbers.reach / 10
-        if self._kernel.start(_numbers(R, T)):
-            raise ArgumentError(
-                "a crank or slide does not reach this pose, or lines are parallel there", "R, T"
-            )
-
-    @cached_property
-    def begins(self) -> bool:
-        """Whether the pose that decides sides is within the limits and allows a proved step."""
-        at = np.concatenate((self._kernel.position(), self._kernel.rotation()))
-        room = self._kernel.slack(at)[0]
-        return bool(self._kernel.report()[0] == 1 and room.min() >= -MARGIN * self.length)
-
-    def seek(self, goal: tuple[Array, Array], start: tuple[Array, Array]) -> FoundPose | None:
-        """Return what is found from a start, or None if that is not within the limits."""
-        found = self._kernel.seek(_numbers(*goal), _numbers(*start))
-        if found is None:
-            return None
-        distance, pose = found
-        return FoundPose(distance, rotation_from_quaternion(pose[3:]), pose[:3])
-
-    def slack(self, R: Array, T: Array) -> Array:
-        """Return how far a pose is within each limit, as lengths, negative outside, shape (c,).
-
-        The limits are narrower by 1e-7 of the length. For a crank or slide it is by how much its
-        rod would be too short or too long at the end of its range.
-        """
-        room = self._room(R, T)
-        return room[room < self._far]
-
-    def met(self, R: Array, T: Array) -> tuple[str, ...]:
-        """Return the names of the limits that a pose meets."""
-        near = self._room(R, T) < _MET * self.length
-        return tuple(dict.fromkeys(self._name(k, R, T) for k in np.flatnonzero(near).tolist()))
-
-    def _room(self, R: Array, T: Array) -> Array:
-        return self._kernel.slack(_numbers(R, T))[0]
-
-    @cached_property
-    def _drives(self) -> Machine:
-        return Machine.of(self.instance)
-
-    def _name(self, slack: int, R: Array, T: Array) -> str:
-        """Return the name of a limit: two of each constraint, then the cones."""
-        if slack >= 12:
-            one = self._drives.cones[slack - 12]
-            return f"cone of {one.name} at leg {one.constraint + 1}"
-        k = slack // 2
-        if not self._drives.driven[k]:
-            return f"range of {k + 1}"
-        drives, (first, second) = self._drives, self._drives.roots(R, T)[k].tolist()
-        drive = drives.index[k]
-        apart = first - second
-        if drives.sorts[drive] == "crank":
-            apart = math.remainder(apart, 2 * math.pi)
-        end = float((drives.high if slack % 2 else drives.low)[drive])
-        # At the boundary of the reach of a rod both numbers of its drive are equal.
-        what = "range" if min(abs(first - end), abs(second - end)) < abs(apart) / 2 else "reach"
-        return f"{what} of {drives.names[drive].replace('.', ' ')}"
 
 
 def _numbers(R: Array, T: Array) -> Array:

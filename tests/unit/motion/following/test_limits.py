@@ -32,7 +32,7 @@ from gspcli.motion.paths.between import (
     cones_kept,
     limit_events,
 )
-from gspcli.motion.paths.nearest_poses import MARGIN, LimitSearch
+from gspcli.motion.paths.nearest_poses import MARGIN, NearestPoses
 from gspcli.motion.paths.ways import ValueWays
 from tests.support import independent_machines
 from tests.support.independent_machines import machines
@@ -48,7 +48,8 @@ def machine_of(name: str) -> independent_machines.Machine:
         home = gspcli.solve(instance).home
         return independent_machines.Machine(name, instance, home.R.real, home.T.real, (0, 0))
     machine = machines()[name]()
-    up, down = Cone((0, 0, 1), 60), Cone((0, 0, -1), 60)
+    side = -1 if name == "paradex" else 1  # hangs from its base
+    up, down = Cone((0, 0, side), 60), Cone((0, 0, -side), 60)
     rows = tuple(
         replace(row, base=replace(row.base, cone=up), platform=replace(row.platform, cone=down))
         for row in machine.instance.constraints
@@ -56,7 +57,7 @@ def machine_of(name: str) -> independent_machines.Machine:
     return replace(machine, instance=replace(machine.instance, constraints=rows))
 
 
-def about(machine: independent_machines.Machine, search: LimitSearch, draw, size: float):
+def about(machine: independent_machines.Machine, search: NearestPoses, draw, size: float):
     R = rotation_from_vector(size * draw.normal(size=3)) @ machine.R
     return R, machine.T + size * search.length * draw.normal(size=3)
 
@@ -65,7 +66,7 @@ def about(machine: independent_machines.Machine, search: LimitSearch, draw, size
 def test_the_slopes_are_those_of_the_slack(name):
     """Where rods do not reach, too."""
     machine = machine_of(name)
-    search = LimitSearch(machine.instance, machine.R, machine.T, np.zeros(3))
+    search = NearestPoses(machine.instance, machine.R, machine.T)
     middle = platform_numbers(machine.instance).middle
     draw = np.random.default_rng(3)
     for _ in range(10):
@@ -88,7 +89,7 @@ def test_slacks_of_motors_and_cones_change_sign_at_their_limits(name):
     """By the numbers of the drives, and the tilts of cones that turn with the arms."""
     machine = machine_of(name)
     instance, drives = machine.instance, Machine.of(machine.instance)
-    search = LimitSearch(instance, machine.R, machine.T, np.zeros(3))
+    search = NearestPoses(instance, machine.R, machine.T)
     working_modes = drives.working_modes(machine.R, machine.T)
     draw = np.random.default_rng(4)
     seen = set()

@@ -161,7 +161,7 @@ def test_fixed_values_and_rails_move_along_drives():
 def test_an_answer_that_is_outside_by_a_billionth_is_noticed(name):
     nearest = nearest_of(name)
     found = nearest.of(nearest.R, nearest.T + np.array([200.0, 50.0, 300.0]))
-    room, slopes = nearest._search._kernel.slack(
+    room, slopes = nearest._kernel.slack(
         np.concatenate((found.T, quaternion_from_rotation(found.R)))
     )
     assert kept(nearest.instance, found.R, found.T)
