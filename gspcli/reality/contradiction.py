@@ -88,20 +88,13 @@ def _is_satisfied(platform: Arrangement, chosen: list[int]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """The equations of a minimization, where some distances are vectors of unknown direction.
+    """The equations of a minimization, where some distances are vectors of unknown direction."""
 
-    Attributes
-    ----------
-    part
-        The constraints.
-    targets
-        Their values with signs, for each start, shape (n, m).
-    short
-        Which of them are vectors, s indices.
-    """
-
+    #: The constraints.
     part: Arrangement
+    #: Their values with signs, for each start, shape (n, m).
     targets: Array
+    #: Which of them are vectors, s indices.
     short: NDArray[np.intp]
 
     @property

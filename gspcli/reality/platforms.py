@@ -29,17 +29,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Platforms(Bodies):
-    """The numbers of platforms with the same kinds of constraints.
+    """The numbers of platforms; points of the lines and planes of angles are zero."""
 
-    Attributes
-    ----------
-    kinds, y, x, u, v
-        See `Bodies`; the points of the lines and planes of angles are zero.
-    values
-        Distances, signed where there are sides, and for angles the values of ``R u . v``;
-        shape (..., 6).
-    """
-
+    #: Distances, signed where there are sides, and of angles ``R u . v``; shape (..., 6).
     values: Array
 
     def __len__(self) -> int:
@@ -53,8 +45,7 @@ class Platforms(Bodies):
 
     def systems(self) -> Iterator[System]:
         """Yield the system of each platform, for the sides that its values have."""
-        given = self.kinds, self.y, self.x, self.u, self.v, self.values
-        return systems_of(*coefficients_of(*given))
+        return systems_of(*coefficients_of(self.kinds, self.y, self.x, self.u, self.v, self.values))
 
     def on_all_sides(self) -> Platforms:
         """Return each platform with all combinations of sides, one directly after the other."""
@@ -131,18 +122,12 @@ def look_real(points: NDArray[np.complex128]) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class Reality:
-    """Which solutions of a system are real.
+    """Which solutions of a system are real."""
 
-    Attributes
-    ----------
-    real
-        Shape (n,).
-    decided
-        Whether this is clear for all of them: all are simple, and no imaginary part and no distance
-        of real ones has the size of an error. This is a numerical argument and no proof.
-    """
-
+    #: Shape (n,).
     real: NDArray[np.bool_]
+    #: Whether this is clear for all of them: all are simple, and no imaginary part and no distance
+    #: of real ones has the size of an error. This is a numerical argument and no proof.
     decided: bool
 
     @property

@@ -31,18 +31,12 @@ _PATHS = 16_384
 
 @dataclasses.dataclass
 class Tally:
-    """The numbers of real solutions of some random platforms.
+    """The numbers of real solutions of some random platforms."""
 
-    Attributes
-    ----------
-    real
-        The number of platforms by their number of real solutions.
-    doubtful
-        The platforms without a known number, ``undecided`` or ``incomplete``, by the number of the
-        piece and that of the platform in it.
-    """
-
+    #: The number of platforms by their number of real solutions.
     real: Counter[int] = field(default_factory=Counter)
+    #: The platforms without a known number, ``undecided`` or ``incomplete``, by the number of the
+    #: piece and that of the platform in it.
     doubtful: dict[tuple[int, int], str] = field(default_factory=dict)
 
     @property
@@ -74,23 +68,15 @@ class Tally:
 
 @dataclass(frozen=True)
 class Sample:
-    """The settings of a sample.
+    """The settings of a sample."""
 
-    Attributes
-    ----------
-    gsp_type
-        The type; the kinds of its angles make no difference.
-    count
-        The number of platforms.
-    seed
-        Source of the random numbers.
-    one_sided
-        Whether DPH and DHP distances ask for the side of a hidden pose, or for both sides.
-    """
-
+    #: The type; the kinds of its angles make no difference.
     gsp_type: GspType
+    #: The number of platforms.
     count: int
+    #: Source of the random numbers.
     seed: int = SEED
+    #: Whether DPH and DHP distances ask for the side of a hidden pose, or for both sides.
     one_sided: bool = False
 
     @property

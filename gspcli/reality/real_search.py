@@ -43,28 +43,6 @@ from gspcli.workers import HERE, Workers
 
 #: Numbers of a constraint: y, x, u, v and the value.
 NUMBERS = 13
-_VALUE = 12
-
-
-def free_numbers(kinds: tuple[Kind, ...]) -> NDArray[np.bool_]:
-    """Return which numbers of the constraints may change, shape (6, 13).
-
-    Distances of planes and lines stay zero. Directions of points have no gradient.
-    """
-    free = np.ones((len(kinds), NUMBERS), bool)
-    free[:, :6] = np.array([kind.is_distance for kind in kinds])[:, None]
-    free[:, _VALUE] = [kind not in (DPH, DHP, DLL) for kind in kinds]
-    return free
-
-
-# The distance of a platform, to first order, from platforms with double solutions.
-#
-# Where two solutions meet, two real ones become a conjugate pair or conversely. Near such a fold
-# the square of their distance is a smooth function of the numbers of the platform that changes its
-# sign. So it can be extrapolated: its value divided by the length of its gradient is approximately
-# the distance to the fold in the space of platforms: Dietmaier's linear model, for all kinds.
-
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
@@ -76,19 +54,30 @@ for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
     _ROTATIONS[_i, _j, _k], _ROTATIONS[_i, _k, _j] = 1.0, -1.0
 
 
+def free_numbers(kinds: tuple[Kind, ...]) -> NDArray[np.bool_]:
+    """Return which numbers of the constraints may change, shape (6, 13).
+
+    Distances of planes and lines stay zero. Directions of points have no gradient.
+    """
+    free = np.ones((len(kinds), NUMBERS), bool)
+    free[:, :6] = np.array([kind.is_distance for kind in kinds])[:, None]
+    free[:, -1] = [kind not in (DPH, DHP, DLL) for kind in kinds]
+    return free
+
+
 @dataclass(frozen=True, eq=False)
 class Folds:
     """Linear distances to platforms with a double solution, for p pairs of solutions.
 
-    Attributes
-    ----------
-    distances
-        Shape (p,).
-    normals
-        Unit vectors of the changes of the numbers away from the fold, shape (p, 6 * 13).
+    Where two solutions meet, two real ones become a conjugate pair or conversely. Near such a fold
+    the square of their distance is a smooth function of the numbers of the platform that changes
+    its sign. Its value divided by the length of its gradient is approximately the distance to the
+    fold in the space of platforms: Dietmaier's linear model, for all kinds.
     """
 
+    #: Shape (p,).
     distances: Array
+    #: Unit vectors of the changes of the numbers away from the fold, shape (p, 6 * 13).
     normals: Array
 
 
@@ -133,7 +122,7 @@ def folds(
     by_value = -np.linalg.solve(np.swapaxes(by_twist, -1, -2), entries)
 
     def gradient(index: NDArray[np.int64], direction: Array) -> Complex:
-        """Return the derivatives of ``direction . X`` by the numbers, shape (k, 6, 13)."""
+        # The derivatives of ``direction . X`` by the numbers, shape (k, 6, 13).
         multipliers = np.einsum("sic,sc->si", by_value[index], direction)
         return np.asarray(multipliers[..., None] * by_number[index])
 
@@ -199,23 +188,15 @@ def _gradients(platform: Platforms, R: Complex, T: Complex) -> tuple[Complex, Co
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A reduced platform with all its solutions.
+    """A reduced platform with all its solutions."""
 
-    Attributes
-    ----------
-    platform
-        One platform, no leading axes.
-    system
-        Its equations.
-    points
-        Solutions in Study coordinates, N = 1, shape (n, 8).
-    real
-        Which are real, shape (n,).
-    """
-
+    #: One platform, no leading axes.
     platform: Platforms
+    #: Its equations.
     system: System
+    #: Solutions in Study coordinates, N = 1, shape (n, 8).
     points: Complex
+    #: Which are real, shape (n,).
     real: NDArray[np.bool_]
 
     @property
@@ -310,33 +291,22 @@ def _centred(platform: Platforms) -> Platforms:
 
 @dataclass(frozen=True)
 class Search:
-    """The settings of a search.
+    """The settings of a search."""
 
-    Attributes
-    ----------
-    kinds
-        The kinds of the six constraints.
-    seed
-        Source of the random numbers.
-    target
-        The number of real solutions of a reduced platform at which the search may end; None:
-        all solutions.
-    start
-        The reduced platform that every attempt begins with; random ones if None.
-    deadline
-        Time (`time.time`, the same on all machines) at which attempts end.
-    starts
-        The number of random platforms at the beginning of an attempt; the best one is improved.
-    steps
-        The number of platforms that an attempt may solve after that; None for no limit.
-    """
-
+    #: The kinds of the six constraints.
     kinds: tuple[Kind, ...]
+    #: Source of the random numbers.
     seed: int = SEED
+    #: The number of real solutions of a reduced platform at which the search may end; None: all
+    #: solutions.
     target: int | None = None
+    #: The reduced platform that every attempt begins with; random ones if None.
     start: Platforms | None = None
+    #: Time (`time.time`, the same on all machines) at which attempts end.
     deadline: float | None = None
+    #: The number of random platforms at the beginning of an attempt; the best one is improved.
     starts: int = 32
+    #: The number of platforms that an attempt may solve after that; None for no limit.
     steps: int | None = None
 
     @property
@@ -380,6 +350,13 @@ class Search:
                 best = found
         return best
 
+    def _moved(self, best: Solved, step: Array | None) -> Platforms | None:
+        """Return the platform after a step, if there is one and its numbers are acceptable."""
+        if step is None:
+            return None
+        platform = _centred(moved(best.platform, step))
+        return platform if _acceptable(platform, self._limit) else None
+
     def _raised(self, best: Solved, rng: np.random.Generator) -> Solved:
         """Return the platform after steps that make pairs real."""
         goal = min(self.target or len(best.points), len(best.points))
@@ -390,17 +367,14 @@ class Search:
                 break
             idle += 1
             step = _raising_step(near, radius, rng, _GROWTH if self.start is None else _LEEWAY)
-            if step is None:
-                radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
-                continue
-            platform = _centred(moved(best.platform, step))
-            new = None
-            if _acceptable(platform, self._limit):
+            platform, new = self._moved(best, step), None
+            if platform is not None:
                 followed += 1
-                if followed % _AFRESH:
-                    new = followed_from(best, platform, rng)
-                else:
-                    new = solved(platform, self.seed)
+                new = (
+                    followed_from(best, platform, rng)
+                    if followed % _AFRESH
+                    else solved(platform, self.seed)
+                )
             if new is None or new.count < best.count:
                 radius = radius / 2 if radius > 2 * _MIN_RADIUS else _RADIUS
                 continue
@@ -423,11 +397,8 @@ class Search:
             step = shortest_step(
                 real.normals[near], wanted - real.distances[near], _DETOUR * radius
             )
-            new = None
-            if step is not None:
-                platform = _centred(moved(best.platform, step))
-                if _acceptable(platform, self._limit):
-                    new = followed_from(best, platform, rng)
+            platform = self._moved(best, step)
+            new = None if platform is None else followed_from(best, platform, rng)
             further = nearest if new is None else new.margin
             if new is None or new.count < best.count or further <= nearest:
                 radius /= 2
@@ -481,26 +452,17 @@ _SHAPES = [*[(CONSTRAINTS, 3)] * 4, (CONSTRAINTS,)]
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """The outcome of the first attempts of a search.
+    """The outcome of the first attempts of a search."""
 
-    Attributes
-    ----------
-    subject
-        The type, or the content of the instance file.
-    seed
-        The seed of the search.
-    attempts
-        The number of attempts that are done.
-    real
-        The number of real solutions of the best reduced platform; 0 if there is none yet.
-    platform
-        That platform.
-    """
-
+    #: The type, or the content of the instance file.
     subject: str
+    #: The seed of the search.
     seed: int
+    #: The number of attempts that are done.
     attempts: int = 0
+    #: The number of real solutions of the best reduced platform; 0 if there is none yet.
     real: int = 0
+    #: That platform.
     platform: Platforms | None = None
 
     def after(self, number: int, found: Solved | None) -> State:
@@ -512,13 +474,8 @@ class State:
 
     def text(self) -> str:
         """Return the content of the file."""
-        document: dict[str, Any] = {
-            "schema": SCHEMA,
-            "subject": self.subject,
-            "seed": self.seed,
-            "attempts": self.attempts,
-            "real": self.real,
-        }
+        names = ("subject", "seed", "attempts", "real")
+        document: dict[str, Any] = {"schema": SCHEMA} | {key: getattr(self, key) for key in names}
         if self.platform is not None:
             document["kinds"] = [kind.name for kind in self.platform.kinds]
             document |= {part: getattr(self.platform, part).tolist() for part in _PARTS}
@@ -548,17 +505,15 @@ def read_state(path: Path, subject: str, seed: int) -> State:
         if "kinds" in document:
             kinds = tuple(KINDS_BY_NAME[name] for name in document["kinds"])
             parts = [np.array(document[part], float) for part in _PARTS]
-            if [part.shape for part in parts] != _SHAPES:
-                raise ValueError
-            if not all(np.isfinite(part).all() for part in parts):
+            finite = all(np.isfinite(part).all() for part in parts)
+            if [part.shape for part in parts] != _SHAPES or not finite:
                 raise ValueError
             platform = Platforms(kinds, *parts)
         counts = map(document.get, ("attempts", "real"))
         if any(type(n) is not int or not 0 <= n < 2**63 for n in counts):
             raise ValueError
-        state = State(
-            document["subject"], document["seed"], document["attempts"], document["real"], platform
-        )
+        names = ("subject", "seed", "attempts", "real")
+        state = State(**{key: document[key] for key in names}, platform=platform)
     except (ArithmeticError, ValueError, KeyError, TypeError, RecursionError) as error:
         message = f"{path}: this is not a state of gsp maximize-real: choose another file"
         raise GspError(message) from error
@@ -570,20 +525,13 @@ def read_state(path: Path, subject: str, seed: int) -> State:
 
 @dataclass(frozen=True, eq=False)
 class RealSearch:
-    """A search for a type, or from a first platform.
+    """A search for a type, or from a first platform."""
 
-    Attributes
-    ----------
-    search
-        The search among reduced platforms.
-    subject
-        The type or platform, by its name in a file of the state.
-    units, length
-        Units and typical length of the instance that is found.
-    """
-
+    #: The search among reduced platforms.
     search: Search
+    #: The type or platform, by its name in a file of the state.
     subject: str
+    #: Units and typical length of the instance that is found.
     units: Units = DEFAULT_UNITS
     length: float = 1.0
 

@@ -42,8 +42,6 @@ _GAPS = tuple(Fraction(m, 10**k) for k in range(1, 6) for m in (5, 2, 1))
 #: The most random attempts at the paths in a search for enough real poses.
 _ATTEMPTS = 3
 DEFAULT_UNITS = Units("unit", AngleUnit.DEGREE)
-#: Numbers of each primitive in a recorded witness.
-_SIZE = {Primitive.POINT: 3, Primitive.LINE: 6, Primitive.PLANE: 6}
 
 
 def platform_of(instance: Instance) -> tuple[Platforms, float]:
@@ -68,10 +66,8 @@ def real_instance(
         One reduced platform (`gspcli.reality.platforms`), lengths of order one.
     count
         The number of real poses that the instance must have, on all sides.
-    units
-        Units of the instance.
-    length
-        Its typical length.
+    units, length
+        Units and typical length of the instance.
 
     Raises
     ------
@@ -81,13 +77,8 @@ def real_instance(
     exponent = math.floor(math.log10(length))
     has_gap = multiplier(platform.kinds) > 1
     without = count // multiplier(platform.kinds)
-    units_of_values = np.where([kind.is_distance for kind in platform.kinds], length, 1.0)
-    scaled = replace(
-        platform,
-        y=platform.y * length,
-        x=platform.x * length,
-        values=platform.values * units_of_values,
-    )
+    values = platform.values * np.where([kind.is_distance for kind in platform.kinds], length, 1.0)
+    scaled = replace(platform, y=platform.y * length, x=platform.x * length, values=values)
 
     @cache
     def instance_with(digits: int) -> Instance | None:
@@ -246,10 +237,8 @@ def known_instance(gsp_type: GspType, real: int | None = None) -> Instance:
     found = witness(family) if real is None else witness_with(family, real)
     if found is None:
         raise GspError(f"{gsp_type.id}: no witness is recorded: search for one")
-    return replace(
-        witness_instance(found, gsp_type.angles),
-        name=f"{gsp_type.family.id} with {found.real} real poses",
-    )
+    name = f"{gsp_type.family.id} with {found.real} real poses"
+    return replace(witness_instance(found, gsp_type.angles), name=name)
 
 
 def witness_instance(found: Witness, angles: tuple[Kind, ...]) -> Instance:
@@ -281,11 +270,9 @@ def _read(
     """Return the primitive that begins a list of numbers, and the rest of the list."""
     if not kind.is_distance:
         numbers = [Fraction(0)] * 3 + numbers
-    size = _SIZE[primitive]
-    a, b, c, *more = (Number.of(value) for value in numbers[:size])
-    rest = numbers[size:]
     if primitive is Primitive.POINT:
-        return Point((a, b, c)), rest
-    p, q, r = more
+        a, b, c = map(Number.of, numbers[:3])
+        return Point((a, b, c)), numbers[3:]
+    a, b, c, p, q, r = map(Number.of, numbers[:6])
     shape = Line if primitive is Primitive.LINE else Plane
-    return shape((a, b, c), (p, q, r)), rest
+    return shape((a, b, c), (p, q, r)), numbers[6:]

@@ -83,28 +83,19 @@ SIGNS = corners(6)
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Bounds of n poses when their values change within a box.
+    """Bounds of n poses when their values change within a box."""
 
-    Attributes
-    ----------
-    measure
-        ``q + sqrt(2 kappa beta)``, shape (n,); infinite if it is not below one. If it is finite,
-        all numbers here are proved.
-    q, root
-        Its two terms with the least kappa, also without a proof, shape (n,).
-    radius
-        A bound of the distance of the solutions from z, shape (n,).
-    shifts
-        To first order, the change of z when a value changes by its width, shape (n, 6, 8).
-    rest
-        A bound of the distance of the solutions from that first-order change, shape (n,).
-    """
-
+    #: ``q + sqrt(2 kappa beta)``, shape (n,); infinite if it is not below one. If it is finite, all
+    #: numbers here are proved.
     measure: Array
+    #: Its two terms with the least kappa, also without a proof, shape (n,).
     q: Array
     root: Array
+    #: A bound of the distance of the solutions from z, shape (n,).
     radius: Array
+    #: To first order, the change of z when a value changes by its width, shape (n, 6, 8).
     shifts: Array
+    #: A bound of the distance of the solutions from that first-order change, shape (n,).
     rest: Array
 
     @property

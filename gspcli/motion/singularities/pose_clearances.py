@@ -152,18 +152,12 @@ class Displacements:
 
 @dataclass(frozen=True, eq=False)
 class Regular:
-    """Proofs about n sets of poses.
+    """Proofs about n sets of poses."""
 
-    Attributes
-    ----------
-    sign
-        The sign of the determinant of all matrices, 0 if they are not proved to be regular, shape
-        (n,).
-    shares
-        The contribution of each coordinate to the bound, shape (n, 6).
-    """
-
+    #: The sign of the determinant of all matrices, 0 if they are not proved to be regular, shape
+    #: (n,).
     sign: Array
+    #: The contribution of each coordinate to the bound, shape (n, 6).
     shares: Array
 
 
@@ -319,40 +313,28 @@ def regular(rows: Array, linear: Array, rest: Array, *, cube: bool) -> tuple[Arr
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """Bounds of the clearance of one pose: in the drives, or the distance from singular poses.
+    """Bounds of the clearance of one pose: in the drives, or the distance from singular poses."""
 
-    Attributes
-    ----------
-    lower
-        Proved lower bound: up to here there is exactly one continuation, and no singularity.
-    upper
-        Of drives the distance of the nearest singularity that was found on the lines to the
-        corners of the box, or of the end of the range of a value; infinite if neither was found. Of
-        values it is a proved fold of this mode. Of poses it is proved: a nearer pose is singular.
-    R, T
-        The singular pose, of poses one within a billionth of `upper` from it; shapes (3, 3) and
-        (3,). None if there is none.
-    numbers
-        Of drives: the numbers there, lengths and radians, shape (m,); None if infinite.
-    end
-        The index of the constraint whose value is at an end of its range, such as a distance of
-        zero; None for a singular pose.
-    working_modes
-        Of drives, proved: up to here no drive comes to a dead point; at most ``lower``.
-    dead_point
-        The change at the nearest dead point that was found; infinite if there is none.
-    drive
-        The index of the drive that is at it, or None.
-    """
-
+    #: Proved lower bound: up to here there is exactly one continuation, and no singularity.
     lower: float
+    #: Of drives the distance of the nearest singularity that was found on the lines to the corners
+    #: of the box, or of the end of the range of a value; infinite if neither was found. Of values
+    #: it is a proved fold of this mode. Of poses it is proved: a nearer pose is singular.
     upper: float = np.inf
+    #: The singular pose, of poses one within a billionth of `upper` from it; shapes (3, 3) and
+    #: (3,). None if there is none.
     R: Array | None = None
     T: Array | None = None
+    #: Of drives: the numbers there, lengths and radians, shape (m,); None if infinite.
     numbers: Array | None = None
+    #: The index of the constraint whose value is at an end of its range, such as a distance of
+    #: zero; None for a singular pose.
     end: int | None = None
+    #: Of drives, proved: up to here no drive comes to a dead point; at most ``lower``.
     working_modes: float = 0.0
+    #: The change at the nearest dead point that was found; infinite if there is none.
     dead_point: float = np.inf
+    #: The index of the drive that is at it, or None.
     drive: int | None = None
 
     @property

@@ -57,18 +57,12 @@ _HALVINGS = 52
 
 @dataclass(frozen=True)
 class Axis:
-    """What varies.
+    """What varies."""
 
-    Attributes
-    ----------
-    name
-        The number of a constraint, from 1, the name of a crank or slide, or ``x``, ``y``, ``z``,
-        ``rx``, ``ry``, ``rz`` of the pose.
-    values
-        The nodes, increasing: readings, or coordinates, in the units of the instance.
-    """
-
+    #: The number of a constraint, from 1, the name of a crank or slide, or ``x``, ``y``, ``z``,
+    #: ``rx``, ``ry``, ``rz`` of the pose.
     name: str
+    #: The nodes, increasing: readings, or coordinates, in the units of the instance.
     values: tuple[float, ...]
 
     @property
@@ -123,25 +117,18 @@ class Varied(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """A grid over one or two axes, and what is known at its nodes, n1 or n1 x n2.
+    """A grid over one or two axes, and what is known at its nodes, n1 or n1 x n2."""
 
-    Attributes
-    ----------
-    varied
-        What varies, and the axes.
-    numbers
-        By name, shape (n1,) or (n1, n2). Of values and drives: the number of real poses in
-        ``modes``, `UNKNOWN` where not all were found or where they are infinitely many, and the
-        smallest condition number of one in ``condition``, infinite where there is none. Of poses:
-        ``determinant`` and ``condition``. In ``clearance``, if it was asked for, the smallest
-        proved clearance of a mode in its values or, where drives vary, in the drives
-        (`gspcli.motion.singularities.clearances`), infinite where there is none; that of a pose.
-    done
-        Which nodes were looked at, the same shape.
-    """
-
+    #: What varies, and the axes.
     varied: Varied
+    #: By name, shape (n1,) or (n1, n2). Of values and drives: the number of real poses in
+    #: ``modes``, `UNKNOWN` where not all were found or where they are infinitely many, and the
+    #: smallest condition number of one in ``condition``, infinite where there is none. Of poses:
+    #: ``determinant`` and ``condition``. In ``clearance``, if it was asked for, the smallest proved
+    #: clearance of a mode in its values or, where drives vary, in the drives
+    #: (`gspcli.motion.singularities.clearances`), infinite where there is none; that of a pose.
     numbers: dict[str, Array]
+    #: Which nodes were looked at, the same shape.
     done: NDArray[np.bool_]
 
     @classmethod
@@ -559,23 +546,15 @@ _STILL = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A part of the discriminant, or of the singular curve over two coordinates of a pose.
+    """A part of the discriminant, or of the singular curve over two coordinates of a pose."""
 
-    Attributes
-    ----------
-    values
-        The two that vary, in the units of the instance, shape (n, 2).
-    closed
-        Whether the last point is the first.
-    unknowns
-        z, u and the values as parts of their ranges, shape (n, 18); of poses none.
-    cusps
-        The cusps of the curve, shape (m, 2); of poses none.
-    """
-
+    #: The two that vary, in the units of the instance, shape (n, 2).
     values: Array
+    #: Whether the last point is the first.
     closed: bool
+    #: Z, u and the values as parts of their ranges, shape (n, 18); of poses none.
     unknowns: Array = field(default_factory=partial(np.zeros, (0, 18)))
+    #: The cusps of the curve, shape (m, 2); of poses none.
     cusps: Array = field(default_factory=partial(np.zeros, (0, 2)))
 
     def contains(self, x: Array) -> bool:
@@ -873,19 +852,13 @@ class Crossing:
 
     Mirror images have folds at the same values: each counts once, at its own pose. Over poses it
     is where the determinant changes its sign.
-
-    Attributes
-    ----------
-    values
-        The values that vary, there.
-    change
-        The change of the number of modes, or of the sign, towards the greater value: 2 or -2.
-    R, T
-        The pose at which two modes meet, shapes (3, 3) and (3,).
     """
 
+    #: The values that vary, there.
     values: tuple[float, ...]
+    #: The change of the number of modes, or of the sign, towards the greater value: 2 or -2.
     change: int
+    #: The pose at which two modes meet, shapes (3, 3) and (3,).
     R: Array
     T: Array
 
@@ -896,21 +869,15 @@ class Meeting:
 
     The modes are followed with proof to both sides of the place. That they meet there, and in which
     pose, is seen and not proved.
-
-    Attributes
-    ----------
-    low, high
-        What varies, before and after the place.
-    before, after
-        The numbers of modes there, each proved: all poses are found.
-    poses
-        Of each pose in which modes meet: how many there are before and after, R and T.
     """
 
+    #: What varies, before and after the place.
     low: tuple[float, ...]
     high: tuple[float, ...]
+    #: The numbers of modes there, each proved: all poses are found.
     before: int
     after: int
+    #: Of each pose in which modes meet: how many there are before and after, R and T.
     poses: tuple[tuple[int, int, Array, Array], ...]
 
 
@@ -923,24 +890,16 @@ def in_order(crossings: Iterable[Crossing]) -> list[Crossing]:
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """The part of the discriminant that was found.
+    """The part of the discriminant that was found."""
 
-    Attributes
-    ----------
-    crossings
-        Proved folds, or singular poses, on the edges of the grid.
-    curves
-        Over two that vary: the discriminant, or the singular curve, through them.
-    meetings
-        Places on edges where modes meet that are no simple folds.
-    unexplained
-        Edges on which the changes at the crossings and meetings do not add up to the difference of
-        the numbers of modes at the ends.
-    """
-
+    #: Proved folds, or singular poses, on the edges of the grid.
     crossings: list[Crossing] = field(default_factory=list)
+    #: Over two that vary: the discriminant, or the singular curve, through them.
     curves: list[Curve] = field(default_factory=list)
+    #: Places on edges where modes meet that are no simple folds.
     meetings: list[Meeting] = field(default_factory=list)
+    #: Edges on which the changes at the crossings and meetings do not add up to the difference of
+    #: the numbers of modes at the ends.
     unexplained: list[Edge] = field(default_factory=list)
 
 

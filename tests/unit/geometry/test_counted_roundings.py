@@ -142,7 +142,7 @@ def points_of_drives(count: int) -> tuple[float, float]:
         middle=counted(1, 10, (6, 3)) * 1.0,
         across=counted(0.7, 10, (6, 3)),
         beside=counted(0.7, 10, (6, 3)),
-        _cranked=np.ones(6, np.bool_),
+        cranked=np.ones(6, np.bool_),
         _of_constraints=lambda q: q,
     )
     (first, *_) = Machine.points(drive, counted(math.pi, 1, (6, 1)))  # type: ignore[arg-type]
