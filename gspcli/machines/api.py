@@ -41,21 +41,12 @@ FORMATS = (
 
 
 def machine_of(path: Path, *, stored: bool = True) -> Graph | Instance:
-    """Return the machine of a file, or the instance that gsp stored in it.
-
-    Parameters
-    ----------
-    path
-        The file; what belongs to it is beside it.
-    stored
-        Whether a stored instance is looked for.
+    """Return the machine of a file, or the instance that gsp stored in it if that is looked for.
 
     Raises
     ------
-    OSError
-        If it cannot be read.
-    GspError
-        If it has none of the formats, or mistakes.
+    OSError, GspError
+        If it cannot be read; if it has none of the formats, or mistakes.
     """
     text, file = text_of(path), str(path)
     if text.lstrip()[:1] == "<":
@@ -74,10 +65,9 @@ def _marked_up(text: str, path: Path, stored: bool) -> Graph | Instance:
     from gspcli.machines.readers import robot_models
 
     root = parse(text, str(path))
-    if root.tag == "mujoco":
-        return _or_stored(root, path, stored, lambda: robot_models.read_mjcf(root, path.stem))
-    if root.tag == "sdf":
-        return _or_stored(root, path, stored, lambda: robot_models.read_sdf(root, path.stem))
+    readers = {"mujoco": robot_models.read_mjcf, "sdf": robot_models.read_sdf}
+    if read := readers.get(root.tag):
+        return _or_stored(root, path, stored, lambda: read(root, path.stem))
     if root.tag == "robot":
         beside = robot_models.beside(path)
         texts = [text_of(beside)] if beside.exists() else []
@@ -126,15 +116,7 @@ _ROUNDING = 1e-12
 
 
 class _Rounding:
-    """Numbers of a machine as decimals.
-
-    Parameters
-    ----------
-    size
-        The size of the machine.
-    digits
-        The number of digits, counted from the first digit of the size.
-    """
+    """Numbers of a machine as decimals, with digits counted from the first one of its size."""
 
     def __init__(self, machine: Machine, digits: int) -> None:
         self.digits = digits
@@ -160,14 +142,7 @@ class _Rounding:
 
 
 def instance_of(machine: Machine, digits: int = IMPORTED_DIGITS) -> Instance:
-    """Return the instance of a machine.
-
-    Parameters
-    ----------
-    machine
-        The machine.
-    digits
-        The number of digits, counted from the first digit of the machine's size.
+    """Return the instance of a machine, with digits counted from the first one of its size.
 
     Raises
     ------
@@ -309,17 +284,7 @@ def remarks(machine: Machine, found: Found) -> list[str]:
 
 
 def commented_text(machine: Machine, instance: Instance, head: list[str]) -> str:
-    """Return the text of the file, with a comment for each constraint and lines at the top.
-
-    Parameters
-    ----------
-    machine
-        The machine.
-    instance
-        Its instance.
-    head
-        Lines of comment at the top.
-    """
+    """Return the text of the file, with a comment for each constraint and lines at the top."""
     comments = iter(machine.constraints)
     lines = [f"# {plain(line)}" for line in head]
     for line in dumps(instance).splitlines():

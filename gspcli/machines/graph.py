@@ -156,6 +156,21 @@ class Joint:
         return "".join(part.letter for part in self.parts) or "fixed"
 
 
+def closure(
+    name: str, bodies: tuple[str, str], there: Array, ends: tuple[Array, Array], weld: Array | None
+) -> Joint:
+    """Return the closure of a loop: a ball at points of both bodies, (3,) each, or a weld.
+
+    The second body is at the pose `there` in the first, and where it is welded at `weld`, (4, 4).
+    """
+    gap = float(np.linalg.norm(ends[0] - place(there, ends[1])))
+    if weld is not None:
+        return Joint(name, *bodies, weld, (), True, gap)
+    R = there[:3, :3]
+    parts = (ball(ends[0], name),)
+    return Joint(name, *bodies, frame(R, ends[0] - R @ ends[1]), parts, True, gap)
+
+
 @dataclass(frozen=True, eq=False)
 class Body:
     """A body.
@@ -230,13 +245,7 @@ class Graph:
         return len(self.joints) - len(self.bodies) + len(set(parts.values()))
 
     def mobility(self, *, held: bool = False) -> int:
-        """Return the freedoms in the configuration of the file, of one body against the others.
-
-        Parameters
-        ----------
-        held
-            Whether the driven parts are held.
-        """
+        """Return the freedoms in the configuration of the file, also with its drives held."""
         names = list(self.bodies)
         column = {name: 6 * i for i, name in enumerate(names)}
         placed = [
@@ -329,12 +338,7 @@ ENTRIES = (("xx", 0, 0), ("xy", 0, 1), ("xz", 0, 2), ("yy", 1, 1), ("yz", 1, 2),
 def matrix(entry: Callable[[str], float], X: Array) -> Array:
     """Return a matrix of inertia in the axes of a body, shape (3, 3).
 
-    Parameters
-    ----------
-    entry
-        The entry of a name, as ``ixx``, in the axes of X.
-    X
-        The frame of the centre of mass in the body, shape (4, 4).
+    From its entries by name, as ``ixx``, in the axes of X, the frame of the centre of mass, (4, 4).
     """
     own = np.zeros((3, 3))
     for axes, i, j in ENTRIES:

@@ -19,9 +19,12 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.defaults import MEETING_SHARE
-from gspcli.geometry.quaternions import rotation_from_vector
-from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE, PARALLEL_SINE
+from gspcli.geometry.arrangement import Bodies
+from gspcli.geometry.measurement import jacobian
+from gspcli.geometry.measurement import measured as values_of_pairs
+from gspcli.geometry.tolerances import MEASURED_PARALLEL_SINE
 from gspcli.machines.graph import (
     Graph,
     Joint,
@@ -200,14 +203,7 @@ class JoinedBodies:
 
 
 def structure(clusters: Clusters, base: str | None, platform: str | None) -> JoinedBodies:
-    """Return the base, the platform and the chains of a machine.
-
-    Parameters
-    ----------
-    clusters
-        The machine while its drives are held.
-    base, platform
-        The names of the bodies to take as base and platform, if known.
+    """Return the base, the platform and the chains of a machine while its drives are held.
 
     Raises
     ------
@@ -432,43 +428,21 @@ class Primitives:
         return Primitives(self.points[[index]], self.directions[[index]])
 
 
+def _bodies(kind: str, platform: Primitives, base: Primitives) -> Bodies:
+    """Return all pairs of n primitives of the platform and m of the base, one after the other."""
+    i, j = np.indices((len(platform), len(base))).reshape(2, -1, 1)
+    ends = platform.points[i], base.points[j], platform.directions[i], base.directions[j]
+    return Bodies((KINDS_BY_NAME[kind],), *ends)
+
+
 def measured(kind: str, platform: Primitives, base: Primitives, X: Array) -> Array:
-    """Return the distances or angles of primitives at a pose.
+    """Return the distances or angles of all pairs at a pose, shape (n, m); those to planes signed.
 
-    Parameters
-    ----------
-    kind
-        One of `ORDER`.
-    platform, base
-        Those of the platform, in its frame, and of the base, in its own: n and m.
-    X
-        The pose of the platform, shape (4, 4).
-
-    Returns
-    -------
-    Array
-        Shape (n, m). Angles are between 0 and pi; distances to planes are signed.
+    The primitives are in the frames of their bodies, the pose of the platform has shape (4, 4).
     """
-    own = platform.moved(X)
-    r = own.points[:, None] - base.points[None]
-    u, v = own.directions[:, None], base.directions[None]
-    if kind == "DPP":
-        return np.asarray(np.linalg.norm(r, axis=-1))
-    if kind == "DPL":
-        return np.asarray(np.linalg.norm(np.cross(r, v), axis=-1))
-    if kind == "DLP":
-        return np.asarray(np.linalg.norm(np.cross(r, u), axis=-1))
-    if kind == "DPH":
-        return np.asarray((r * v).sum(axis=-1))
-    if kind == "DHP":
-        return np.asarray(-(r * u).sum(axis=-1))
-    normal = np.cross(u, v)
-    sine = np.linalg.norm(normal, axis=-1)
-    if kind == "ALL":
-        return np.asarray(np.arctan2(sine, (u * v).sum(axis=-1)))
-    across = np.abs((r * normal).sum(axis=-1)) / np.where(sine > PARALLEL_SINE, sine, 1.0)
-    apart = np.linalg.norm(np.cross(r, v), axis=-1)
-    return np.asarray(np.where(sine > PARALLEL_SINE, across, apart))
+    values = values_of_pairs(_bodies(kind, platform, base), X[:3, :3], X[:3, 3])
+    values = np.abs(values) if kind == "DLL" else values
+    return np.asarray(values).reshape(len(platform), len(base))
 
 
 #: Primitives that agree to this share of the size are one.
@@ -513,16 +487,9 @@ class CandidatePrimitives:
 
 
 def candidates(passive: list[Part], size: float, near: float) -> CandidatePrimitives:
-    """Return the candidates of a chain.
+    """Return the candidates of a chain with parts that are not held, in the frame of the base.
 
-    Parameters
-    ----------
-    passive
-        Its parts that are not held, in the frame of the base.
-    size
-        The size of the chain.
-    near
-        Axes that pass each other at a smaller distance than this cross.
+    Axes that pass each other at a distance smaller than `near` cross.
     """
     balls = [part.point for part in passive if part.letter == "S"]
     hinges = [part for part in passive if part.letter == "R"]
@@ -613,8 +580,6 @@ _INDEPENDENT = 1e-5
 #: Distances of points below this share, and angles of lines (radians), are none: two or three
 #: constraints in one.
 _DEGENERATE = 1e-6
-#: Step of difference quotients, as a share of the size, and in radians.
-_STEP = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -641,14 +606,9 @@ class Held:
 
 
 def held_constraints(chain: BodyChain, meet: float) -> tuple[list[Held], int]:
-    """Return the constraints that were found, and how many the chain holds.
+    """Return the constraints that were found, and how many the chain holds with its drives held.
 
-    Parameters
-    ----------
-    chain
-        The chain, with its drives held.
-    meet
-        The share of the size up to which axes meet and constants may change.
+    Axes meet, and constants may change, up to the share `meet` of the size.
     """
     rng = np.random.default_rng(1)
     size = chain.size
@@ -729,17 +689,7 @@ def _through_points(kind: str, platform: Primitives, base: Primitives, X: Array)
 
 
 class _Search:
-    """What is constant over some poses.
-
-    Parameters
-    ----------
-    motions
-        Poses of the platform, that of the file first.
-    size
-        The size of the chain.
-    count
-        How many constraints there are.
-    """
+    """What is constant over some poses of the platform, that of the file first."""
 
     def __init__(self, motions: list[Array], size: float, count: int) -> None:
         self.motions, self.size, self.count = motions, size, count
@@ -781,18 +731,10 @@ class _Search:
     def _gradient(self, kind: str, platform: Primitives, base: Primitives) -> Array:
         """Return the derivatives by a twist, at the third random pose, shape (6,)."""
         X = self.motions[3]
-        gradient = np.zeros(6)
-        for k, axis in enumerate((*np.eye(3), *np.eye(3))):
-            ends = []
-            for step in (_STEP, -_STEP):
-                if k < 3:
-                    R = rotation_from_vector(step * axis)
-                    moved = frame(R @ X[:3, :3], X[:3, 3])
-                else:
-                    moved = frame(X[:3, :3], X[:3, 3] + step * self.size * axis)
-                ends.append(float(measured(kind, platform, base, moved)[0, 0]))
-            gradient[k] = (ends[0] - ends[1]) / (2 * _STEP)
-        return gradient if kind[0] == "A" else gradient / self.size
+        scale = 1.0 if kind[0] == "A" else self.size
+        with np.errstate(all="ignore"):
+            (row,) = jacobian(_bodies(kind, platform, base), X[:3, :3], X[:3, 3])[0]
+        return np.asarray(row * ([1.0] * 3 + [self.size] * 3) / scale)
 
     def _adds(self, gradient: Array) -> bool:
         length = float(np.linalg.norm(gradient))
@@ -872,17 +814,7 @@ class Found:
 
 
 def with_drives(held: Held, chain: BodyChain, length: str) -> Found:
-    """Return a constraint with its drives, as far as they are known.
-
-    Parameters
-    ----------
-    held
-        The constraint while the drives are held in the configuration of the file.
-    chain
-        Its chain.
-    length
-        The name of the unit of length.
-    """
+    """Return a constraint of a chain, held in the configuration of the file, with its drives."""
     driven = [(k, p) for k, p in enumerate(chain.parts) if p.held]
     inside = [(k, p) for k, p in driven if p.where == "inside" and _changes(held, chain, k)]
     remarks: list[str] = []
@@ -1113,13 +1045,7 @@ def recognized(
 
 
 def _check_numbers(graph: Graph) -> None:
-    """Refuse numbers that cannot be computed with.
-
-    Raises
-    ------
-    NoPlatform
-        Naming the joint or the body.
-    """
+    """Refuse numbers that cannot be computed with, and name the joint or the body."""
     for joint in graph.joints:
         arrays = [joint.relative, *(x for part in joint.parts for x in (part.axis, part.point))]
         values = [part.at for part in joint.parts]

@@ -25,15 +25,7 @@ _ELEMENT, _SPACE = "gsp:instance", "https://example.invalid/gsp"
 
 
 def digest(root: MarkupElement, *beside: str) -> str:
-    """Return a digest of a model: elements, attributes and texts, without the stored instance.
-
-    Parameters
-    ----------
-    root
-        The model.
-    beside
-        The texts of files that belong to it.
-    """
+    """Return a digest of a model and the texts of its other files, without the stored instance."""
     return hashlib.sha256("\n".join((*_lines(root), *beside)).encode()).hexdigest()
 
 
@@ -49,12 +41,7 @@ def _lines(element: MarkupElement) -> Iterator[str]:
 def stored_text(root: MarkupElement, *beside: str) -> tuple[str | None, bool]:
     """Return the text of the instance that a model stores, and whether the model is unchanged.
 
-    Parameters
-    ----------
-    root
-        The root of an MJCF, SDF or URDF file.
-    beside
-        The texts of files that belong to it.
+    The model is the root of MJCF, SDF or URDF, with the texts of files that belong to it.
     """
     element = next(root.everywhere(_ELEMENT), None)
     if element is not None:
@@ -77,18 +64,9 @@ def store_custom(root: ET.Element, instance: Instance) -> None:
 
 
 def signed(root: ET.Element, where: ET.Element, instance: Instance, *beside: str) -> str:
-    """Store an instance in a finished model in SDF or URDF, and return the text of the model.
+    """Store an instance in an element of a finished SDF or URDF, and return the text of the model.
 
-    Parameters
-    ----------
-    root
-        The model.
-    where
-        The element in which it is stored.
-    instance
-        The instance.
-    beside
-        The texts of files that belong to the model.
+    Texts of files that belong to the model count for its digest.
     """
     found = digest(parse(ET.tostring(root, encoding="unicode"), ""), *beside)
     stored = ET.SubElement(where, _ELEMENT, {"xmlns:gsp": _SPACE, "model": found})

@@ -59,22 +59,9 @@ def legs_graph(
     notes: Sequence[str] = (),
     remarks: Mapping[str, str] | None = None,
 ) -> Graph:
-    """Return the graph of a machine with legs.
+    """Return the graph of a machine with legs; format, name, length, notes as `Graph` has them.
 
-    Parameters
-    ----------
-    format, name
-        The format of the file, and the name of the machine.
-    legs
-        The legs.
-    pose
-        The pose of the platform that the file states, shape (4, 4), or None.
-    length
-        The unit of length.
-    platform
-        The mass of the platform with centre and inertia, if known.
-    notes, remarks
-        As `Graph` has them.
+    The file may state the pose of the platform, shape (4, 4), and its mass, centre and inertia.
     """
     X = _above(legs) if pose is None else pose
     bodies = {"base": Body("base", np.eye(4))}
@@ -125,21 +112,12 @@ def _above(legs: Sequence[RowLeg]) -> Array:
 
 
 def read_cables(bodies: MarkupElement, cables: MarkupElement, name: str) -> Graph:
-    """Return the graph of a robot with one rigid body.
-
-    Parameters
-    ----------
-    bodies, cables
-        The roots ``bodies_system`` and ``cables``.
-    name
-        What the machine is called.
+    """Return the graph of a robot with one rigid body: roots ``bodies_system`` and ``cables``.
 
     Raises
     ------
-    SpecError
-        If something in the files is wrong.
-    NoPlatform
-        If there is more than one body, or the body is guided.
+    SpecError, NoPlatform
+        If something in the files is wrong; if there is more than one body, or it is guided.
     """
     links = list(bodies.everywhere("link_rigid"))
     if len(links) != 1:
@@ -233,14 +211,7 @@ def is_hal(text: str) -> bool:
 
 
 def read_hal(text: str, path: Path) -> Graph:
-    """Return the graph of a HAL file.
-
-    Parameters
-    ----------
-    text
-        The file.
-    path
-        The path of the file. INI files with the kinematics ``genhexkins`` are sought beside it.
+    """Return the graph of a HAL file, with the INI file of ``genhexkins`` beside it.
 
     Raises
     ------
@@ -355,14 +326,7 @@ class _Column:
 
 
 def read_table(text: str, file: str, name: str) -> Graph:
-    """Return the graph of a table.
-
-    Parameters
-    ----------
-    text
-        The table: its first row has headings; comments begin with ``#``.
-    file, name
-        The file, and what the machine is called.
+    """Return the graph of a table: its first row has headings; comments begin with ``#``.
 
     Raises
     ------

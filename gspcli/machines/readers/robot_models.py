@@ -25,6 +25,7 @@ from gspcli.machines.graph import (
     NoPlatform,
     Part,
     ball,
+    closure,
     frame,
     inverse,
     matrix,
@@ -53,21 +54,12 @@ _MOVES = re.compile("controller|apply_?joint_?force|applyjoint|apply-joint", re.
 
 
 def read_sdf(root: MarkupElement, name: str) -> Graph:
-    """Return the graph of a file.
-
-    Parameters
-    ----------
-    root
-        The element ``sdf``.
-    name
-        What the machine is called if the model does not say.
+    """Return the graph of the element ``sdf``; the name is for a model without one.
 
     Raises
     ------
-    SpecError
-        With the line of what is wrong.
-    NoPlatform
-        If there is not one model, or joints that are not read.
+    SpecError, NoPlatform
+        With the line of what is wrong; if there is not one model, or joints that are not read.
     """
     models = list(root.everywhere("model"))
     for wrong in root.everywhere("include", "model"):
@@ -215,21 +207,12 @@ _UNIVERSAL = re.compile(r"UJOINT_?([XYZ])([XYZ])", re.IGNORECASE)
 
 
 def read_urdf(root: MarkupElement, path: Path) -> Graph:
-    """Return the graph of a robot.
-
-    Parameters
-    ----------
-    root
-        The element ``robot``.
-    path
-        Where the file is: ``NAME.yaml`` beside it has the loops.
+    """Return the graph of the element ``robot`` of a file; ``NAME.yaml`` beside it has the loops.
 
     Raises
     ------
-    SpecError
-        With the line of what is wrong.
-    NoPlatform
-        If there are joints that are not read.
+    SpecError, NoPlatform
+        With the line of what is wrong; if there are joints that are not read.
     """
     return _Robot(root, _Loops(beside(path)), path.stem).graph()
 
@@ -441,15 +424,10 @@ class _Robot:
         """Return a loop that a kind closes: 6d, or 3d for the origins only."""
         first, second = links
         there = inverse(self.poses[first]) @ self.poses[second]
-        ends = frames[0][:3, 3], frames[1][:3, 3]
-        gap = float(np.linalg.norm(ends[0] - place(there, ends[1])))
-        if kind.lower() in ("6d", "fixed"):
-            return Joint(name, first, second, frames[0] @ inverse(frames[1]), (), True, gap)
-        if kind.lower() not in ("3d", "spherical"):
+        if kind.lower() not in ("6d", "fixed", "3d", "spherical"):
             raise NoPlatform(f"found a loop of the type {shown(kind)}, expected 3d or 6d")
-        R = there[:3, :3]
-        closed = frame(R, ends[0] - R @ ends[1])
-        return Joint(name, first, second, closed, (ball(ends[0], name),), True, gap)
+        weld = frames[0] @ inverse(frames[1]) if kind.lower() in ("6d", "fixed") else None
+        return closure(name, links, there, (frames[0][:3, 3], frames[1][:3, 3]), weld)
 
     def _loop_joint(self, joint: MarkupElement) -> Joint:
         """Return a ``loop_joint``: the frames of two links that a joint closes."""
@@ -502,14 +480,7 @@ _LEAST = "1e-12"
 
 
 def read_mjcf(root: MarkupElement, name: str) -> Graph:
-    """Return the graph of a model.
-
-    Parameters
-    ----------
-    root
-        The element ``mujoco``.
-    name
-        What the machine is called if the model does not say.
+    """Return the graph of the element ``mujoco``; the name is for a model without one.
 
     Raises
     ------
@@ -701,10 +672,5 @@ class _CompiledModel:
         if any(model.body_mocapid[b] >= 0 for b in (first, second)):
             return None
         there = inverse(self.poses[first]) @ self.poses[second]
-        gap = float(np.linalg.norm(ends[0] - place(there, ends[1])))
         bodies = self.names[first], self.names[second]
-        if weld:
-            return Joint(name, *bodies, relative, (), True, gap)
-        R = there[:3, :3]
-        parts = (ball(ends[0], name),)
-        return Joint(name, *bodies, frame(R, ends[0] - R @ ends[1]), parts, True, gap)
+        return closure(name, bodies, there, ends, relative if weld else None)
