@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -242,47 +241,26 @@ def chosen(mode: Mode | None, home: HomeMode | None, count: int) -> int:
 
 #: What poses vary by: position of the pivot, turns.
 PARAMETERS = ("x", "y", "z", "rx", "ry", "rz")
-_MOST_NODES = 1_000_000
-_SPAN = re.compile(r"(r?[xyz])=([^:]+):([^:]+)(?::(\d{1,9}))?")
-_AXIS = re.compile(r"([^=]+)=([^:]+):([^:]+):(\d{1,9})")
+_SPAN = re.compile(r"([^=]+)=([^:]+):([^:]+)(?::(\d{1,9}))?")
 
 
-def axes_of(texts: Sequence[str], names: Sequence[str]) -> list[tuple[str, tuple[float, ...]]]:
-    """Return the name and the nodes of each axis of `--vary`."""
-    axes = [_axis(text, names) for text in texts]
-    total = math.prod(len(nodes) for _, nodes in axes)
-    if total > _MOST_NODES:
-        raise GspError(f"found {total} nodes, expected at most {_MOST_NODES}")
-    return axes
-
-
-def _axis(text: str, names: Sequence[str]) -> tuple[str, tuple[float, ...]]:
-    import numpy as np
-
-    from gspcli.motion.files.number_tables import wrong_number
-
-    match, found = _AXIS.fullmatch(text.replace(" ", "")), f"--vary: found {shown(text)}, expected"
-    if match is None or match[1] not in names or wrong_number(match[2]) or wrong_number(match[3]):
-        form = f"NAME=LOW:HIGH:COUNT with {listed(names)}, such as {names[0]}=5:7:200"
-        raise GspError(f"{found} {form}")
-    low, high, count = float(match[2]), float(match[3]), int(match[4])
-    if not low < high or count < 2:
-        raise GspError(f"{found} LOW below HIGH and at least two values")
-    if count > _MOST_NODES:
-        raise GspError(f"found {count} nodes, expected at most {_MOST_NODES}")
-    return match[1], tuple(np.linspace(low, high, count).tolist())
-
-
-def span_of(option: str, text: str) -> tuple[str, float, float, int | None]:
-    """Return the parameter of a pose that an option names, its interval, and how many values."""
+def span_of(
+    option: str, text: str, names: Sequence[str], example: str, *, several: bool = True
+) -> tuple[str, float, float, int]:
+    """Return name, ends and number of values of NAME=LOW:HIGH:COUNT, or with 0 of NAME=LOW:HIGH."""
     from gspcli.motion.files.number_tables import wrong_number
 
     match = _SPAN.fullmatch(text.replace(" ", ""))
-    if match is None or wrong_number(match[2]) or wrong_number(match[3]):
-        end = ":COUNT" if option == "shift" else ""
-        message = f"--{option}: found {shown(text)}, expected NAME=LOW:HIGH{end} with NAME one of "
-        raise GspError(message + ", ".join(PARAMETERS))
-    return match[1], float(match[2]), float(match[3]), int(match[4]) if match[4] else None
+    if (
+        match is None
+        or match[1] not in names
+        or any(map(wrong_number, match.group(2, 3)))
+        or (not int(match[4] or 0) if several else match[4])
+    ):
+        form = f"NAME=LOW:HIGH{':COUNT' * several} with {listed(names)}"
+        found = f"--{option}: found {shown(text)}"
+        raise GspError(f"{found}, expected {form}, such as {names[0]}={example}")
+    return match[1], float(match[2]), float(match[3]), int(match[4] or 0)
 
 
 def one_mode(instance: Instance, mode: Mode | None) -> tuple[int, Array, Array]:

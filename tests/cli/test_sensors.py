@@ -91,7 +91,7 @@ def test_a_mistake_is_named_with_its_column(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--sigma", "legs=1"), "--sigma: found 'legs=1', expected WHAT=NUMBER"),
+        (("--sigma", "legs=1"), "--sigma: found 'legs', expected one of leg, joint"),
         (("--sigma", "leg=0"), "expected a standard deviation above 0"),
         (("--sensor", "leg P1 B9"), "--sensor 'leg P1 B9', column 8: found 'B9'"),
         (("--set", "1=-2"), "expected a distance of at least 0"),

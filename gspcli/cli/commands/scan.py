@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import math
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, replace
 from functools import partial
@@ -13,13 +15,13 @@ import click
 
 from gspcli import __version__
 from gspcli.cli import options
-from gspcli.cli.pose_options import PARAMETERS, axes_of, frame_note, pose_options, pose_value_option
+from gspcli.cli.pose_options import PARAMETERS, frame_note, pose_options, pose_value_option, span_of
 from gspcli.cli.render import emit, write
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress, say
 from gspcli.defaults import SEED
 from gspcli.errors import INTERRUPTED, ArgumentError, GspError, IncompleteError
-from gspcli.wording import counted
+from gspcli.wording import counted, shown
 
 if TYPE_CHECKING:
     from gspcli.geometry.frames import PoseFrame
@@ -31,6 +33,7 @@ FIELDS = Fields("scan")
 
 QUANTITIES = ("modes", "condition", "clearance")
 _NUMBERS = tuple("123456")
+_MOST_NODES = 1_000_000
 
 
 @click.command(cls=options.Command)
@@ -146,17 +149,32 @@ def _varied(o: options.Options) -> Varied:
     )
 
     if o.pose is not None:
-        axes = [Axis(*axis) for axis in axes_of(o.texts, PARAMETERS)]
+        axes = [Axis(*axis) for axis in _axes(o.texts, PARAMETERS)]
         o.pose.read(o.form)
         return VariedPoses(o.instance, axes, o.pose.numbers(o.form), o.form)
     axes = [
         axis_of(o.instance, int(name) if name in _NUMBERS else name, nodes)
-        for name, nodes in axes_of(o.texts, (*_NUMBERS, *drive_names(o.instance)))
+        for name, nodes in _axes(o.texts, (*_NUMBERS, *drive_names(o.instance)))
     ]
     try:
         return VariedNumbers(o.instance, axes)
     except ArgumentError as error:
         raise GspError(f"--vary: {error.message}") from None
+
+
+def _axes(texts: Sequence[str], names: Sequence[str]) -> list[tuple[str, tuple[float, ...]]]:
+    """Return the name and the nodes of each axis of `--vary`."""
+    import numpy as np
+
+    spans = [span_of("vary", text, names, "5:7:200") for text in texts]
+    for text, (_, low, high, count) in zip(texts, spans, strict=True):
+        if not low < high or count < 2:
+            expected = "expected LOW below HIGH and at least two values"
+            raise GspError(f"--vary: found {shown(text)}, {expected}")
+    total = math.prod(count for *_, count in spans)
+    if total > _MOST_NODES:
+        raise GspError(f"found {total} nodes, expected at most {_MOST_NODES}")
+    return [(name, tuple(np.linspace(low, high, n).tolist())) for name, low, high, n in spans]
 
 
 def _refuse_gaps(found: Scan, limits: Boundary) -> None:

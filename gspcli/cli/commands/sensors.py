@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -10,9 +11,10 @@ from gspcli.cli import options
 from gspcli.cli.pose_options import column_options, pose_options, text_of
 from gspcli.cli.render import emit
 from gspcli.cli.result import Field, Fields, Result
+from gspcli.cli.specs import standard_deviations
 from gspcli.cli.streams import working
 from gspcli.errors import GspError, IncompleteError
-from gspcli.wording import counted
+from gspcli.wording import counted, shown
 
 if TYPE_CHECKING:
     from gspcli.geometry.instance import Instance
@@ -99,7 +101,7 @@ def command(o: options.Options) -> None:
             coordinates=None if table is None else table.coordinates,
             seed=o.seed,
             sensors=chosen,
-            sigma=dict(map(_deviation, o.deviations)),
+            sigma=_deviations(o.deviations),
             need=o.need,
             known_side=o.known_side,
             jobs=o.jobs,
@@ -125,14 +127,11 @@ def _chosen(names: tuple[str, ...], instance: Instance) -> list[Sensor] | None:
     return found or None
 
 
-def _deviation(text: str) -> tuple[str, float]:
-    expected = f"WHAT=NUMBER with one of {', '.join(_KINDS)}, such as inclinometer=0.02"
-    from gspcli.motion.files.number_tables import wrong_number
-
-    kind, _, value = text.partition("=")
-    if kind.strip() not in _KINDS or wrong_number(value.strip()):
-        raise GspError(f"--sigma: found {text!r}, expected {expected}")
-    return kind.strip(), float(value)
+def _deviations(texts: Sequence[str]) -> dict[str, float]:
+    found = standard_deviations(texts)
+    for kind in found.keys() - {*_KINDS}:
+        raise GspError(f"--sigma: found {shown(kind)}, expected one of {', '.join(_KINDS)}")
+    return found
 
 
 #: Differences below this many standard deviations are rounding.

@@ -213,9 +213,7 @@ def _free(o: options.Options) -> tuple[str, ...] | None:
 
 
 def _interval(text: str) -> tuple[str, tuple[float, float]]:
-    name, low, high, count = pose_options.span_of("within", text)
-    if count is not None:
-        raise GspError(f"--within: found {shown(text)}, expected NAME=LOW:HIGH, such as z=60:140")
+    name, low, high, _ = pose_options.span_of("within", text, PARAMETERS, "60:140", several=False)
     return name, (low, high)
 
 
@@ -340,11 +338,7 @@ def _offsets(held: tuple[str, ...]) -> list[dict[str, float]]:
         if equals and name in PARAMETERS and not wrong_number(value):
             values = [float(value)]
         else:
-            name, low, high, count = pose_options.span_of("shift", text)
-            if count is None or count < 1:
-                raise GspError(
-                    f"--shift: found {shown(text)}, expected NAME=VALUE or NAME=LOW:HIGH:COUNT"
-                )
+            name, low, high, count = pose_options.span_of("shift", text, PARAMETERS, "-20:20:5")
             if count > _MOST_HELD:
                 raise GspError(f"--shift: found {count} values, expected at most {_MOST_HELD}")
             values = np.linspace(low, high, count).tolist()
