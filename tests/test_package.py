@@ -72,8 +72,8 @@ STRANGERS = {"continuation": {"geometry", "catalogue", "symbolic"}}
 OF_THE_KERNEL = {"certification", "continuation", "geometry", "motion"}
 STANDARD_LIBRARY_ONLY = {"catalogue", "errors", "resources", "progress", "defaults", "wording"}
 STANDARD_LIBRARY_ONLY |= {"records"}
-#: What lower rooms may import from the face of the package: its number of version, and the picture
-#: that a notebook shows of a result.
+#: What rooms may import besides: lower ones from the face of the package its number of version, and
+#: the picture that a notebook shows of a result.
 EXCEPTIONS = {
     "gspcli.__version__": {
         "atlas",
@@ -86,6 +86,8 @@ EXCEPTIONS = {
         "solver",
     },
     "gspcli.notebook_view": {"solver"},
+    # The engine knows Study coordinates, and nothing else of platforms.
+    "gspcli.geometry.study": {"continuation"},
 }
 #: pandas is imported only inside the `to_frame` methods.
 FRAMES = "pandas"

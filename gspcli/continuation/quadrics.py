@@ -7,8 +7,8 @@ A Study point is ``z = (e0, e1, e2, e3, f0, f1, f2, f3)`` in C^8 up to scale, wi
     Q(z) = sum_{i<=j} A_ij e_i e_j + sum_{ij} B_ij e_i f_j + c f.f
 
 and is stored as its 27 coefficients: ten of A (row by row, ``i <= j``), sixteen of B (row by
-row), c. The functions of the motion that are quadrics after multiplication by N are constants
-of this module; a space is the linear space that some of them span:
+row), c. The functions of the motion that are quadrics after multiplication by N are those of
+`gspcli.geometry.study`; a space is the linear space that some of them span:
 
 ====== ================ ===========
 space  functions        dimension
@@ -23,10 +23,13 @@ s      1, R, T, U, T.T  17
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from gspcli.geometry import study
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -37,7 +40,6 @@ LETTERS: Final = "apqls"
 """The spaces in their canonical order."""
 
 _ROW, _COLUMN = np.triu_indices(4)
-_CROSS = ((1, 2, 3), (2, 3, 1), (3, 1, 2))
 
 
 def pack(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.inexact]:
@@ -90,56 +92,26 @@ def gradients(quadrics: NDArray[np.inexact], points: NDArray[np.inexact]) -> NDA
     return np.concatenate([by_e, by_f], axis=-1)
 
 
-def _rotation_forms() -> FloatArray:
-    """Return the symmetric matrices ``(3, 3, 4, 4)`` with ``N R_ij = e^T S_ij e``."""
-    forms = np.zeros((3, 3, 4, 4))
-    for i in range(3):
-        forms[i, i, 0, 0] = 1.0
-        for k in range(3):
-            forms[i, i, k + 1, k + 1] = 1.0 if k == i else -1.0
-        for j in range(3):
-            if i != j:
-                k = 3 - i - j
-                sign = -1.0 if (j - i) % 3 == 1 else 1.0
-                forms[i, j, i + 1, j + 1] = forms[i, j, j + 1, i + 1] = 1.0
-                forms[i, j, 0, k + 1] = forms[i, j, k + 1, 0] = sign
-    return forms
+def _forms() -> FloatArray:
+    """Return N times the functions of the motion, in the order of `study.forms`, (27, 27)."""
+    hessians = study.form_hessians()
+    parts = hessians[:, :4, :4] / 2, hessians[:, :4, 4:], hessians[:, 4, 4] / 2
+    return np.asarray(pack(*parts), np.float64)
 
 
-def _translation_forms(sign: float) -> FloatArray:
-    """Return B of ``2 (e0 f_i - e_i f0 + sign (e x f)_i)``: T for +1, U for -1."""
-    forms = np.zeros((3, 4, 4))
-    for row, (i, j, k) in enumerate(_CROSS):
-        forms[row, 0, i], forms[row, i, 0] = 2.0, -2.0
-        forms[row, j, k], forms[row, k, j] = 2.0 * sign, -2.0 * sign
-    return forms
-
-
-_ZERO = np.zeros((4, 4))
-_S = _rotation_forms()
-NORM: Final = pack(np.eye(4), _ZERO, 0.0)
+FORMS: Final = _forms()
+NORM: Final = FORMS[study.NORM]
 """N itself: the quadric of the constant function 1; shape (27,)."""
-ROTATION: Final = pack(_S, np.zeros_like(_S), np.zeros((3, 3)))
-"""N R_ij, shape (3, 3, 27)."""
-TRANSLATION: Final = pack(np.zeros((3, 4, 4)), _translation_forms(1.0), np.zeros(3))
-"""N T_i, shape (3, 27)."""
-BODY_TRANSLATION: Final = pack(np.zeros((3, 4, 4)), _translation_forms(-1.0), np.zeros(3))
-"""N U_i with U = R^T T, shape (3, 27)."""
-# R is quadratic in e and (1 + eps f e*/N) turns R by eps T, so N [T]x R is the derivative of
-# N R along f: twice the polar form.
-MOMENT: Final = pack(np.zeros_like(_S), 2.0 * _S, np.zeros((3, 3)))
-"""N (T x R)_ij, the i-th component of T x (column j of R); shape (3, 3, 27)."""
-RHO: Final = pack(_ZERO, _ZERO, 4.0)
-"""N T.T, shape (27,)."""
-
-_A = np.vstack([NORM[None], ROTATION.reshape(9, 27)])
-BASES: Final[dict[str, FloatArray]] = {
+_A = (study.NORM, *chain(*study.ROTATION))
+SPACES: Final[dict[str, tuple[int, ...]]] = {
     "a": _A,
-    "p": np.vstack([_A, TRANSLATION]),
-    "q": np.vstack([_A, BODY_TRANSLATION]),
-    "l": np.vstack([_A, MOMENT.reshape(9, 27)]),
-    "s": np.vstack([_A, TRANSLATION, BODY_TRANSLATION, RHO[None]]),
+    "p": (*_A, *study.TRANSLATION),
+    "q": (*_A, *study.BODY),
+    "l": (*_A, *chain(*study.MOMENT)),
+    "s": (*_A, *study.TRANSLATION, *study.BODY, study.RHO),
 }
+"""For each space the places of its functions in `FORMS`."""
+BASES: Final = {letter: FORMS[list(places)] for letter, places in SPACES.items()}
 """For each space a basis ``(dimension, 27)``."""
 
 _SIGN = np.array([1.0, -1.0, -1.0, -1.0])

@@ -12,14 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
-from itertools import chain, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP, Kind
-from gspcli.continuation.quadrics import BASES, COEFFICIENTS, NORM
+from gspcli.continuation.quadrics import BASES, COEFFICIENTS, NORM, SPACES
 from gspcli.continuation.systems import EQUATIONS, Coefficients, Structure, System
 from gspcli.geometry import study
 from gspcli.geometry.arrangement import Arrangement
@@ -222,16 +222,8 @@ def _across(direction: Array) -> tuple[Array, Array]:
 
 
 #: The places in its basis of the functions that span each space.
-_ROTATION = (study.NORM, *chain(*study.ROTATION))
-_SPACES = {
-    letter: {place: k for k, place in enumerate(functions)}
-    for letter, functions in {
-        "a": _ROTATION,
-        "p": (*_ROTATION, *study.TRANSLATION),
-        "q": (*_ROTATION, *study.BODY),
-        "l": (*_ROTATION, *chain(*study.MOMENT)),
-        "s": (*_ROTATION, *study.TRANSLATION, *study.BODY, study.RHO),
-    }.items()
+_PLACES = {
+    letter: {place: k for k, place in enumerate(functions)} for letter, functions in SPACES.items()
 }
 
 
@@ -240,7 +232,7 @@ def _quadric(letter: str, form: study.Form, like: Scalars) -> Scalars:
 
     The coefficients have the leading axes (...) and the type of `like`, (..., 3).
     """
-    places = _SPACES[letter]
+    places = _PLACES[letter]
     rows = np.zeros((*like.shape[:-1], len(places)), like.dtype)
     for place, entry in form.items():
         rows[..., places[place]] = entry

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.bounds import LAZARD, MOURRAIN_16, ROTATIONS, varieties
 from gspcli.continuation import start
-from gspcli.continuation.quadrics import BODY_TRANSLATION, RHO, TRANSLATION, evaluate, gradients
+from gspcli.continuation.quadrics import evaluate, gradients
 from gspcli.continuation.quadrics import swap_letters as swapped
+from tests.support.study_forms import BODY_TRANSLATION, RHO, TRANSLATION
 from tools.atlas.intersection_numbers import LETTERS, intersection_number
 
 #: All 195 with at most three angles.

@@ -9,17 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from gspcli.continuation.quadrics import (
-    BODY_TRANSLATION,
-    MOMENT,
-    NORM,
-    RHO,
-    ROTATION,
-    TRANSLATION,
-    monomials,
-    swap_quadrics,
-)
+from gspcli.continuation.quadrics import NORM, monomials, swap_quadrics
 from gspcli.continuation.systems import Structure, System
+from tests.support.study_forms import BODY_TRANSLATION, MOMENT, RHO, ROTATION, TRANSLATION
 
 Array = NDArray[np.float64]
 

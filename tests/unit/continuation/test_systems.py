@@ -8,12 +8,7 @@ import pytest
 from gspcli.catalogue.kinds import DPP
 from gspcli.continuation.quadrics import (
     BASES,
-    BODY_TRANSLATION,
-    MOMENT,
     NORM,
-    RHO,
-    ROTATION,
-    TRANSLATION,
     evaluate,
     gradients,
     monomials,
@@ -28,6 +23,7 @@ from gspcli.continuation.quadrics import (
 from gspcli.continuation.reduced_homotopy import Balance, ReducedHomotopy
 from gspcli.continuation.systems import Coefficients, Structure, System
 from gspcli.solver.study_systems import coefficients_of
+from tests.support.study_forms import BODY_TRANSLATION, MOMENT, RHO, ROTATION, TRANSLATION
 
 
 def random_coefficients(rng: np.random.Generator) -> Coefficients:
