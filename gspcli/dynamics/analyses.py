@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gspcli.dynamics.arrays import make_read_only
+from gspcli.dynamics.arrays import make_read_only, plain
 from gspcli.dynamics.forces import inverse_dynamics
 from gspcli.errors import ArgumentError
 from gspcli.geometry.instance import METRES, Instance
@@ -186,19 +186,19 @@ class Analysis(EqualByContent):
             "R": given.R[k].tolist(),
             "T": given.T[k].tolist(),
             "point": given.point[k].tolist(),
-            "condition": finite(printed_condition(given.conditions[k])),
+            "condition": plain(printed_condition(given.conditions[k])),
             "manipulability": float(given.manipulability[k]),
             "singular_values": given.singular_values[k].tolist(),
             "forces": given.forces[k].tolist(),
             "moments": given.moments[k].tolist(),
-            "pitches": [finite(pitch) for pitch in given.pitches[k]],
-            "feet": [[finite(x) for x in foot] for foot in given.feet[k]],
+            "pitches": plain(given.pitches[k]),
+            "feet": plain(given.feet[k]),
             "jacobian": given.jacobian[k].tolist(),
-            "inverse": [[finite(x) for x in row] for row in given.inverse[k]],
+            "inverse": plain(given.inverse[k]),
             "worst_force": {
                 "constraint": int(constraint[k]) + 1,
-                "direction": [finite(x) for x in direction[k]],
-                "reaction": finite(reaction[k]),
+                "direction": plain(direction[k]),
+                "reaction": plain(reaction[k]),
             },
         }
         return entry | self._asked(k)
@@ -208,38 +208,21 @@ class Analysis(EqualByContent):
         entry: dict[str, Any] = {}
         if self.moves_points:
             entry["drives"] = self.given.drives.readings(self.given.q[k]).tolist()
-            entry["transmissions"] = [finite(x) for x in self.given.transmissions[k]]
+            entry["transmissions"] = plain(self.given.transmissions[k])
             entry["transmission"] = float(self.transmissions[k])
             if self.torques is not None:
-                entry["torques"] = [finite(x) for x in self.torques[k]]
+                entry["torques"] = plain(self.torques[k])
         if self.reactions is not None:
-            entry["reactions"] = [finite(x) for x in self.reactions[k]]
+            entry["reactions"] = plain(self.reactions[k])
         if self.stiffness is not None and self.least_stiffness is not None:
             entry["stiffness"] = self.stiffness[k].tolist()
-            entry["least_stiffness"] = finite(self.least_stiffness[k])
+            entry["least_stiffness"] = plain(self.least_stiffness[k])
         errors, shape = self.errors, self.shape
         if errors is not None:
-            entry["accuracy"] = {
-                name: [finite(x) for x in getattr(errors, name)[k]]
-                for name in ("worst", "bound", "rms")
-            } | {
-                name: finite(getattr(errors, name)[k])
-                for name in ("worst_turn", "worst_shift", "bound_turn", "bound_shift")
-            }
+            entry["accuracy"] = {name: plain(x[k]) for name, x in vars(errors).items()}
         if shape is not None:
-            entry["geometry"] = {
-                "worst": [finite(x) for x in shape.worst[k]],
-                "rms": [finite(x) for x in shape.rms[k]],
-                "turn": finite(shape.turn[k]),
-                "shift": finite(shape.shift[k]),
-            }
+            entry["geometry"] = {name: plain(x[k]) for name, x in vars(shape).items()}
         return entry
-
-
-def finite(value: Any) -> float | None:
-    """Return a number for JSON, which has none that is not finite."""
-    number = float(value)
-    return number if abs(number) < float("inf") else None
 
 
 def analyze(

@@ -109,12 +109,9 @@ def make_read_only(result: Any) -> None:
             value.setflags(write=False)
 
 
-def plain(array: Array) -> Any:
-    """Return an array as nested lists for JSON, in which numbers that are not finite are null."""
-    if np.isfinite(array).all():
-        return array.tolist()
-    return [plain(row) if array.ndim > 1 else _plain_number(row) for row in array]
-
-
-def _plain_number(value: Any) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def plain(numbers: ArrayLike) -> Any:
+    """Return numbers as nested lists for JSON, in which those that are not finite are null."""
+    array = np.asarray(numbers)
+    found = array.astype(object)
+    found[~np.isfinite(array)] = None
+    return found.tolist()

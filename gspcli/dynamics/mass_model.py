@@ -55,40 +55,27 @@ class CarrierMasses(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MassModel:
-    """A platform with masses in SI units.
+    """A platform with masses in SI units."""
 
-    Attributes
-    ----------
-    instance
-        The platform.
-    metre
-        Its unit of length in metres.
-    mass, centre, inertia
-        Of the platform: centre shape (3,), matrix about the centre (3, 3), in its frame.
-    legs
-        The legs that weigh something.
-    rotors
-        Inertias of the m drives, kg and kg m^2, shape (m,).
-    stiffness
-        Of the m drives, N/m and N m/rad, shape (m,); None if it is not stated.
-    gravity
-        The acceleration of what falls, shape (3,).
-    machine
-        The m drives, with lengths in metres.
-    carriers
-        What they move beside the rods.
-    """
-
+    #: The platform.
     instance: Instance
+    #: Its unit of length in metres.
     metre: float
+    #: Of the platform: centre shape (3,), matrix about the centre (3, 3), in its frame.
     mass: float
     centre: Array
     inertia: Array
+    #: The legs that weigh something.
     legs: LegMasses
+    #: Inertias of the m drives, kg and kg m^2, shape (m,).
     rotors: Array
+    #: Of the m drives, N/m and N m/rad, shape (m,); None if it is not stated.
     stiffness: Array | None
+    #: The acceleration of what falls, shape (3,).
     gravity: Array
+    #: The m drives, with lengths in metres.
     machine: Machine
+    #: What they move beside the rods.
     carriers: CarrierMasses
 
     @classmethod

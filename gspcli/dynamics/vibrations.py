@@ -37,40 +37,29 @@ class NaturalModes(EqualByContent):
     """The natural modes at n poses, the slowest first. All arrays are read-only.
 
     There are six, or as many as there are drives if several rods share a drive.
-
-    Attributes
-    ----------
-    instance
-        The platform.
-    R, T
-        The poses, shapes (n, 3, 3) and (n, 3), in length units.
-    squares
-        Squares of the angular frequencies, 1/s^2, shape (n, 6): negative if the pose is unstable in
-        that mode. NaN at singular poses.
-    shapes
-        How the platform moves in each mode, a twist in radians and length units about its origin,
-        shape (n, 6, 6): ``shapes[p, k]`` is mode k at pose p. The largest component is one radian
-        or the typical length of the platform, and positive.
-    preload
-        The forces of the constraints that hold the platform against gravity, N and N m, shape
-        (n, 6): those along the rods where cranks and slides are the drives.
-    singular
-        Which poses are singular, shape (n,).
-    nearly_singular
-        The condition number where it is above 1e8, and about as many digits of the preload are lost
-        as it has; else NaN; shape (n,).
-    torques
-        Torques and forces of the m drives against gravity, N m and N, shape (n, m).
     """
 
+    #: The platform.
     instance: Instance
+    #: The poses, shapes (n, 3, 3) and (n, 3), in length units.
     R: Array
     T: Array
+    #: Squares of the angular frequencies, 1/s^2, shape (n, 6): negative if the pose is unstable in
+    #: that mode. NaN at singular poses.
     squares: Array
+    #: How the platform moves in each mode, a twist in radians and length units about its origin,
+    #: shape (n, 6, 6): ``shapes[p, k]`` is mode k at pose p. The largest component is one radian or
+    #: the typical length of the platform, and positive.
     shapes: Array
+    #: The forces of the constraints that hold the platform against gravity, N and N m, shape (n,
+    #: 6): those along the rods where cranks and slides are the drives.
     preload: Array
+    #: Which poses are singular, shape (n,).
     singular: Flags
+    #: The condition number where it is above 1e8, and about as many digits of the preload are lost
+    #: as it has; else NaN; shape (n,).
     nearly_singular: Array
+    #: Torques and forces of the m drives against gravity, N m and N, shape (n, m).
     torques: Array
 
     def __post_init__(self) -> None:

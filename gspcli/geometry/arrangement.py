@@ -44,22 +44,15 @@ class Placed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """The primitives of n constraints on both bodies, for one platform or a batch of platforms.
+    """The primitives of n constraints on both bodies, for one platform or a batch of platforms."""
 
-    Attributes
-    ----------
-    kinds
-        The kinds of the n constraints.
-    y, x
-        A point of each platform and of each base primitive, shape (..., n, 3), length units.
-    u, v
-        Unit direction or normal of each platform and of each base primitive, shape (..., n, 3);
-        zero for points.
-    """
-
+    #: The kinds of the n constraints.
     kinds: tuple[Kind, ...]
+    #: A point of each platform and of each base primitive, shape (..., n, 3), length units.
     y: Array
     x: Array
+    #: Unit direction or normal of each platform and of each base primitive, shape (..., n, 3); zero
+    #: for points.
     u: Array
     v: Array
 

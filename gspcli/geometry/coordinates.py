@@ -23,21 +23,14 @@ BODIES: tuple[Body, Body] = ("platform", "base")
 
 @dataclass(frozen=True)
 class Coordinate:
-    """The number of a drive: the angle of a crank, or the place of a carriage.
+    """The number of a drive: the angle of a crank, or the place of a carriage."""
 
-    Attributes
-    ----------
-    name
-        ``crank.B1`` or ``slide.B1``.
-    body, primitive
-        The body and the name of the point that states the drive.
-    vector
-        Which of both it is.
-    """
-
+    #: ``crank.B1`` or ``slide.B1``.
     name: str
+    #: The body and the name of the point that states the drive.
     body: Body
     primitive: str
+    #: Which of both it is.
     vector: Literal["crank", "slide"]
 
 

@@ -28,36 +28,24 @@ _FAR = 0.1
 
 @dataclass(frozen=True, eq=False)
 class HomeMode(EqualByContent):
-    """The real pose that is meant where a command needs one.
+    """The real pose that is meant where a command needs one."""
 
-    Attributes
-    ----------
-    number
-        Its number among the real poses, from 1, as `gsp solve` lists them.
-    R, T
-        The pose, shapes (3, 3) and (3,).
-    count
-        How many real poses there are.
-    stated
-        Whether the instance states a home; else it is the least turned pose.
-    equal
-        How many are equally near: of those it is the highest.
-    away
-        How far it is from the stated home, in words; empty if that is where it is.
-    kept
-        Whether only some of the real poses were kept, of which there are `count`.
-    doubt
-        What is odd if it is far from the stated home, else empty.
-    """
-
+    #: Its number among the real poses, from 1, as `gsp solve` lists them.
     number: int
+    #: The pose, shapes (3, 3) and (3,).
     R: Array
     T: Array
+    #: How many real poses there are.
     count: int
+    #: Whether the instance states a home; else it is the least turned pose.
     stated: bool
+    #: How many are equally near: of those it is the highest.
     equal: int
+    #: How far it is from the stated home, in words; empty if that is where it is.
     away: str
+    #: Whether only some of the real poses were kept, of which there are `count`.
     kept: bool = False
+    #: What is odd if it is far from the stated home, else empty.
     doubt: str = ""
 
     @property

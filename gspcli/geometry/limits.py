@@ -17,21 +17,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LeftLimit:
-    """A limit that a pose violates.
+    """A limit that a pose violates."""
 
-    Attributes
-    ----------
-    kind
-        ``range``, ``cone`` or ``working mode``: a crank or slide acts on its rod from the other
-        side than at home, so that it would pass a dead point on the way.
-    constraint
-        The index of the constraint or leg.
-    body
-        The body of the joint of the cone, or of the point of the drive; None for a range.
-    """
-
+    #: ``range``, ``cone`` or ``working mode``: a crank or slide acts on its rod from the other side
+    #: than at home, so that it would pass a dead point on the way.
     kind: Literal["range", "cone", "working mode"]
+    #: The index of the constraint or leg.
     constraint: int
+    #: The body of the joint of the cone, or of the point of the drive; None for a range.
     body: Literal["platform", "base"] | None
 
     def to_json(self) -> dict[str, Any]:

@@ -66,84 +66,58 @@ _TURN = 2 * np.pi
 
 @dataclass(frozen=True)
 class JointCone:
-    """The cone of a joint as it limits one leg.
+    """The cone of a joint as it limits one leg."""
 
-    Attributes
-    ----------
-    constraint
-        The index of the leg.
-    body
-        The body of the joint, ``platform`` or ``base``.
-    name
-        The name of the joint.
-    cone
-        Its axis, fixed in the body, and its half angle.
-    """
-
+    #: The index of the leg.
     constraint: int
+    #: The body of the joint, ``platform`` or ``base``.
     body: Literal["platform", "base"]
+    #: The name of the joint.
     name: str
+    #: Its axis, fixed in the body, and its half angle.
     cone: Cone
 
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """The m drives of a platform, in the order of the first constraint that each moves.
+    """The m drives of a platform, in the order of the first constraint that each moves."""
 
-    Attributes
-    ----------
-    instance
-        The platform.
-    names
-        The names of the drives: ``crank.B1``, ``slide.B2``, or the number of a constraint whose
-        value is driven.
-    sorts
-        ``crank``, ``slide`` or ``value``, m of them.
-    index
-        The drive of each constraint, shape (6,).
-    driven
-        Whether the drive of a constraint is a crank or a slide, shape (6,).
-    on_platform
-        Whether it moves the platform's point, shape (6,).
-    units
-        The units of the numbers in radians or lengths, shape (m,).
-    low, high
-        The ranges of q, shape (m,); infinite without a range. For the distance of a point and a
-        plane on both sides they are those of the modulus.
-    tolerances
-        The errors of q, shape (m,); NaN where none is stated.
-    offsets, factors
-        A number of a drive in the unit of the instance is its reading times the factor, plus the
-        offset; shape (m,).
-    middle, across, beside
-        The place of each driven point in the frame of its body, shapes (6, 3): that of a crank is
-        ``middle + across cos q + beside sin q``, that of a slide ``middle + beside q``.
-    arms
-        The lengths of the arms of cranks; 1 for slides and values, shape (6,).
-    rods
-        The values of constraints with a crank or a slide, which stay the same, signed on a chosen
-        side of a plane; NaN for others.
-    signs
-        The working modes that `inverse` takes, shape (6,); None for those of the stated home.
-    """
-
+    #: The platform.
     instance: Instance
+    #: The names of the drives: ``crank.B1``, ``slide.B2``, or the number of a constraint whose
+    #: value is driven.
     names: tuple[str, ...]
+    #: ``crank``, ``slide`` or ``value``, m of them.
     sorts: tuple[str, ...]
+    #: The drive of each constraint, shape (6,).
     index: NDArray[np.int64]
+    #: Whether the drive of a constraint is a crank or a slide, shape (6,).
     driven: NDArray[np.bool_]
+    #: Whether it moves the platform's point, shape (6,).
     on_platform: NDArray[np.bool_]
+    #: The units of the numbers in radians or lengths, shape (m,).
     units: Array
+    #: The ranges of q, shape (m,); infinite without a range. For the distance of a point and a
+    #: plane on both sides they are those of the modulus.
     low: Array
     high: Array
+    #: The errors of q, shape (m,); NaN where none is stated.
     tolerances: Array
+    #: A number of a drive in the unit of the instance is its reading times the factor, plus the
+    #: offset; shape (m,).
     offsets: Array
     factors: Array
+    #: The place of each driven point in the frame of its body, shapes (6, 3): that of a crank is
+    #: ``middle + across cos q + beside sin q``, that of a slide ``middle + beside q``.
     middle: Array
     across: Array
     beside: Array
+    #: The lengths of the arms of cranks; 1 for slides and values, shape (6,).
     arms: Array
+    #: The values of constraints with a crank or a slide, which stay the same, signed on a chosen
+    #: side of a plane; NaN for others.
     rods: Array
+    #: The working modes that `inverse` takes, shape (6,); None for those of the stated home.
     signs: NDArray[np.int64] | None = None
 
     @classmethod

@@ -85,24 +85,16 @@ _AMBIGUOUS = (
 
 @dataclass(frozen=True)
 class Heading:
-    """A cell of a heading.
+    """A cell of a heading."""
 
-    Attributes
-    ----------
-    name
-        Our name of the column. A name with a dot is kept as written: it contains a name that the
-        user has chosen.
-    word
-        The heading as written, without a unit.
-    unit
-        What is in brackets, or None.
-    is_leg
-        Whether it says that the column is the length of a leg.
-    """
-
+    #: Our name of the column. A name with a dot is kept as written: it contains a name that the
+    #: user has chosen.
     name: str
+    #: The heading as written, without a unit.
     word: str
+    #: What is in brackets, or None.
     unit: str | None = None
+    #: Whether it says that the column is the length of a leg.
     is_leg: bool = False
 
     @classmethod
@@ -334,21 +326,14 @@ _RATE = re.compile(r"(.*?)\s*/\s*s(?:ec)?(\^?2|²)?")
 
 @dataclass(frozen=True)
 class FileUnits:
-    """The units to which the numbers of a file are converted.
+    """The units to which the numbers of a file are converted."""
 
-    Attributes
-    ----------
-    length
-        The name of the unit of lengths; empty if it does not matter.
-    in_radians
-        The unit of angles.
-    angles
-        The names of the columns of values that are angles; the others are lengths. None if either
-        is possible.
-    """
-
+    #: The name of the unit of lengths; empty if it does not matter.
     length: str = ""
+    #: The unit of angles.
     in_radians: float = 1.0
+    #: The names of the columns of values that are angles; the others are lengths. None if either is
+    #: possible.
     angles: frozenset[str] | None = None
 
     def of(self, instance: Instance) -> FileUnits:

@@ -46,38 +46,26 @@ def _nothing(_: str) -> None:
 
 @dataclass(frozen=True)
 class PoseFormat:
-    """The conventions that a pose file does not state.
+    """The conventions that a pose file does not state."""
 
-    Attributes
-    ----------
-    euler
-        The order of the axes of rx, ry and rz, as `rotation_from_euler` takes it; None if there
-        are none.
-    pivot
-        The point whose position x, y and z are, in the platform's frame, or that of the tool;
-        length units.
-    in_radians
-        The unit of rx, ry and rz.
-    length
-        The name of the unit of lengths; empty if it does not matter.
-    ignore
-        Columns that are left out; ``*`` in a name stands for any text
-        (`gspcli.motion.files.number_tables`).
-    frame
-        The frame in which poses are expressed.
-    columns
-        The names of the columns of a file without a heading.
-    note
-        Takes messages about a file, such as the order of axes in its heading.
-    """
-
+    #: The order of the axes of rx, ry and rz, as `rotation_from_euler` takes it; None if there are
+    #: none.
     euler: str | None = None
+    #: The point whose position x, y and z are, in the platform's frame, or that of the tool; length
+    #: units.
     pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    #: The unit of rx, ry and rz.
     in_radians: float = 1.0
+    #: The name of the unit of lengths; empty if it does not matter.
     length: str = ""
+    #: Columns that are left out; ``*`` in a name stands for any text
+    #: (`gspcli.motion.files.number_tables`).
     ignore: tuple[str, ...] = ()
+    #: The frame in which poses are expressed.
     frame: PoseFrame = IDENTITY
+    #: The names of the columns of a file without a heading.
     columns: tuple[str, ...] = ()
+    #: Takes messages about a file, such as the order of axes in its heading.
     note: Callable[[str], None] = _nothing
 
     @property
@@ -101,17 +89,11 @@ class PoseFormat:
 
 @dataclass(frozen=True, eq=False)
 class PoseTable:
-    """Poses, one a row.
+    """Poses, one a row."""
 
-    Attributes
-    ----------
-    t
-        The column t, shape (n,), or None if there is none.
-    R, T
-        Rotations (n, 3, 3) and translations (n, 3): ``x_base = R x_platform + T``.
-    """
-
+    #: The column t, shape (n,), or None if there is none.
     t: Array | None
+    #: Rotations (n, 3, 3) and translations (n, 3): ``x_base = R x_platform + T``.
     R: Array
     T: Array
 

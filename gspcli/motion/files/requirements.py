@@ -63,17 +63,11 @@ _SIGNS = {"≤": "<=", "≥": ">="}
 
 @dataclass(frozen=True)
 class Requirement:
-    """One requirement.
+    """One requirement."""
 
-    Attributes
-    ----------
-    quantity
-        A key of `QUANTITIES`.
-    limit
-        The largest, or the smallest, number that is allowed.
-    """
-
+    #: A key of `QUANTITIES`.
     quantity: str
+    #: The largest, or the smallest, number that is allowed.
     limit: float
 
     def __str__(self) -> str:
@@ -139,30 +133,19 @@ class QuantityParts(NamedTuple):
 
 @dataclass(frozen=True)
 class RequirementVerdict:
-    """Whether all rows keep a requirement, and the worst row.
+    """Whether all rows keep a requirement, and the worst row."""
 
-    Attributes
-    ----------
-    requirement
-        The requirement.
-    met
-        Whether all rows keep it.
-    worst
-        The number in the worst row; NaN if it could not be computed, which violates the
-        requirement.
-    row
-        The index of that row.
-    part
-        The part with this number, such as ``constraint 2``; empty if there are no parts.
-    between
-        Whether it is also judged between the rows.
-    """
-
+    #: The requirement.
     requirement: Requirement
+    #: Whether all rows keep it.
     met: bool
+    #: The number in the worst row; NaN if it could not be computed, which violates the requirement.
     worst: float
+    #: The index of that row.
     row: int
+    #: The part with this number, such as ``constraint 2``; empty if there are no parts.
     part: str = ""
+    #: Whether it is also judged between the rows.
     between: bool = False
 
 

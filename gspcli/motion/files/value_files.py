@@ -32,24 +32,16 @@ _MOVING = ("crank", "slide")
 
 @dataclass(frozen=True, eq=False)
 class ValueTable:
-    """Rows of values.
+    """Rows of values."""
 
-    Attributes
-    ----------
-    t
-        Increasing, shape (n,): the column t, or the number of the row from 1.
-    values
-        In the units and order of the instance, DPH and DHP signed, shape (n, 6).
-    coordinates
-        Readings of cranks and slides that move, by name, each of shape (n,).
-    poses
-        R (m, 3, 3) and T (m, 3) of a file of m poses, whose values these are; None for a file of
-        values.
-    """
-
+    #: Increasing, shape (n,): the column t, or the number of the row from 1.
     t: Array
+    #: In the units and order of the instance, DPH and DHP signed, shape (n, 6).
     values: Array
+    #: Readings of cranks and slides that move, by name, each of shape (n,).
     coordinates: Mapping[str, Array] = field(default_factory=dict)
+    #: R (m, 3, 3) and T (m, 3) of a file of m poses, whose values these are; None for a file of
+    #: values.
     poses: tuple[Array, Array] | None = None
 
     @property
@@ -167,12 +159,8 @@ def compare_values(table: NumberTable, instance: Instance, measured: Array) -> N
     for name, column in zip(names, table.numbers(names).T, strict=True):
         k = int(name) - 1
         room = ROUNDED * (size if instance.constraints[k].kind.is_distance else 1.0)
-        for row in np.flatnonzero(~(np.abs(column - measured[:, k]) <= room)).tolist():
-            message = (
-                f"found {column[row]:.12g} beside a pose that measures {measured[row, k]:.6g} "
-                "(see --ignore)"
-            )
-            table.note_cell(row, name, message)
+        away = column - measured[:, k]
+        _compare(table, name, column, away, room, "measures", measured[:, k])
 
 
 def _compare_drives(
@@ -184,21 +172,21 @@ def _compare_drives(
     """Note readings of cranks and slides beside poses that they do not reach."""
     size, radian = Arrangement.of(instance).length, instance.units.angle.in_radians
     for name, column in zip(moving, table.numbers(list(moving)).T, strict=True):
-        one = moving[name]
-        if one.name not in reached:
-            continue
-        turns = one.vector == "crank"
-        away = column - reached[one.name]
+        there, turns = reached[moving[name].name], moving[name].vector == "crank"
+        away = column - there
         if turns:
             whole = 2 * np.pi / radian
             away -= whole * np.round(away / whole)
         room = ROUNDED * (1 / radian if turns else size)
-        for row in np.flatnonzero(~(np.abs(away) <= room)).tolist():
-            message = (
-                f"found {column[row]:.12g} beside a pose that asks for "
-                f"{reached[one.name][row]:.6g} (see --ignore)"
-            )
-            table.note_cell(row, name, message)
+        _compare(table, name, column, away, room, "asks for", there)
+
+
+def _compare(
+    table: NumberTable, name: str, column: Array, away: Array, room: float, does: str, there: Array
+) -> None:
+    for row in np.flatnonzero(~(np.abs(away) <= room)).tolist():
+        found = f"found {column[row]:.12g} beside a pose that {does} {there[row]:.6g}"
+        table.note_cell(row, name, f"{found} (see --ignore)")
 
 
 def _of_poses(

@@ -51,20 +51,13 @@ _ROUND = 0.9
 
 @dataclass(frozen=True)
 class Condition:
-    """A bound for a coordinate of poses: ``z > 0``.
+    """A bound for a coordinate of poses: ``z > 0``."""
 
-    Attributes
-    ----------
-    name
-        One of `COORDINATES`.
-    sign
-        ``<``, ``>``, ``<=`` or ``>=``.
-    bound
-        In the units of the instance.
-    """
-
+    #: One of `COORDINATES`.
     name: str
+    #: ``<``, ``>``, ``<=`` or ``>=``.
     sign: str
+    #: In the units of the instance.
     bound: float
 
     @property
@@ -98,23 +91,15 @@ def parse_conditions(text: str) -> list[Condition]:
 
 @dataclass(frozen=True, eq=False)
 class ModeFilter:
-    """What is asked of real poses; each part leaves out those that do not keep it.
+    """What is asked of real poses; each part leaves out those that do not keep it."""
 
-    Attributes
-    ----------
-    where
-        Bounds for coordinates, all of which are to be kept.
-    within_limits
-        Whether ranges and cones are to be kept.
-    above
-        Whether the platform is to be above its base (`heights`).
-    frame, sequence
-        How coordinates are expressed: the frame, and the order of the axes of rx, ry, rz.
-    """
-
+    #: Bounds for coordinates, all of which are to be kept.
     where: Sequence[Condition] = ()
+    #: Whether ranges and cones are to be kept.
     within_limits: bool = False
+    #: Whether the platform is to be above its base (`heights`).
     above: bool = False
+    #: How coordinates are expressed: the frame, and the order of the axes of rx, ry, rz.
     frame: PoseFrame = IDENTITY
     sequence: str = "ZYX"
 

@@ -32,29 +32,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Accuracy:
-    """Errors of n poses: rotation (rx, ry, rz, in radians), and position of a point.
+    """Errors of n poses: rotation (rx, ry, rz, in radians), and position of a point."""
 
-    Attributes
-    ----------
-    worst
-        The largest error of each of rx, ry, rz, x, y, z for any values within the tolerances,
-        exact to first order, shape (n, 6).
-    worst_turn, worst_shift
-        The largest angle of rotation and the largest distance of the point, likewise, shape (n,).
-    bound, bound_turn, bound_shift
-        Proved bounds of these errors, with second order and rounding; infinite if the tolerances
-        are too large for a proof.
-    rms
-        Root mean squares of the errors if the values' errors are independent, with the tolerances
-        as standard deviations, to first order, shape (n, 6).
-    """
-
+    #: The largest error of each of rx, ry, rz, x, y, z for any values within the tolerances, exact
+    #: to first order, shape (n, 6).
     worst: Array
+    #: The largest angle of rotation and the largest distance of the point, likewise, shape (n,).
     worst_turn: Array
     worst_shift: Array
+    #: Proved bounds of these errors, with second order and rounding; infinite if the tolerances are
+    #: too large for a proof.
     bound: Array
     bound_turn: Array
     bound_shift: Array
+    #: Root mean squares of the errors if the values' errors are independent, with the tolerances as
+    #: standard deviations, to first order, shape (n, 6).
     rms: Array
 
 
@@ -221,23 +213,16 @@ def _shifts(
 
 @dataclass(frozen=True, eq=False)
 class GeometrySlopes:
-    """Derivatives of measured values by the numbers of the primitives.
+    """Derivatives of measured values by the numbers of the primitives."""
 
-    Attributes
-    ----------
-    names
-        The names of the m columns: ``platform.P1.x`` for a coordinate of the point of a primitive
-        in the frame of its body; ``base.L2.tilt1`` for a small rotation of a direction or normal
-        about one of two axes perpendicular to it.
-    tilts
-        Which columns are rotations (radians), shape (m,); the others are lengths.
-    slopes
-        Derivatives of the values of `measure` (lengths and radians), shape (..., 6, m). A primitive
-        that several constraints share has one set of columns.
-    """
-
+    #: The names of the m columns: ``platform.P1.x`` for a coordinate of the point of a primitive in
+    #: the frame of its body; ``base.L2.tilt1`` for a small rotation of a direction or normal about
+    #: one of two axes perpendicular to it.
     names: tuple[str, ...]
+    #: Which columns are rotations (radians), shape (m,); the others are lengths.
     tilts: NDArray[np.bool_]
+    #: Derivatives of the values of `measure` (lengths and radians), shape (..., 6, m). A primitive
+    #: that several constraints share has one set of columns.
     slopes: Array
 
 
@@ -306,20 +291,14 @@ class GeometryAccuracy:
 
     All are exact to first order in the errors of the geometry, except for the last two. These may
     be too large: the worst cases of the three axes need not occur together.
-
-    Attributes
-    ----------
-    worst
-        The largest error of each of rx, ry, rz, x, y, z, shape (n, 6).
-    rms
-        Root mean squares for independent errors, with the tolerances as standard deviations, shape
-        (n, 6).
-    turn, shift
-        Upper bounds, to first order, of the angle of rotation and of the distance, shape (n,).
     """
 
+    #: The largest error of each of rx, ry, rz, x, y, z, shape (n, 6).
     worst: Array
+    #: Root mean squares for independent errors, with the tolerances as standard deviations, shape
+    #: (n, 6).
     rms: Array
+    #: Upper bounds, to first order, of the angle of rotation and of the distance, shape (n,).
     turn: Array
     shift: Array
 

@@ -7,6 +7,7 @@ about an axis with its pitch, or a translation. Ranks are numerical.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
@@ -16,11 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.errors import ArgumentError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.euler import rotation_from_euler
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.quaternions import rotation_from_quaternion
 from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted, listed
@@ -37,24 +36,16 @@ _DIGITS = 6
 
 @dataclass(frozen=True, eq=False)
 class Screw:
-    """A twist that the constraints allow.
+    """A twist that the constraints allow."""
 
-    Attributes
-    ----------
-    axis
-        The direction of the turn, or of the translation, in the base; a unit vector.
-    point
-        The point of the axis that is nearest to the origin of the base; None for a translation.
-    pitch
-        By how much the platform moves along the axis in a full turn; 0 for a pure rotation, None
-        for a translation.
-    twist
-        Turn and velocity of the platform's origin, shape (6,), in radians and lengths.
-    """
-
+    #: The direction of the turn, or of the translation, in the base; a unit vector.
     axis: Array
+    #: The point of the axis that is nearest to the origin of the base; None for a translation.
     point: Array | None
+    #: By how much the platform moves along the axis in a full turn; 0 for a pure rotation, None for
+    #: a translation.
     pitch: float | None
+    #: Turn and velocity of the platform's origin, shape (6,), in radians and lengths.
     twist: Array
 
     def words(self, unit: str) -> str:
@@ -67,25 +58,24 @@ class Screw:
             return f"rotation {where}"
         return f"screw {where}, {self.pitch:.6g} {unit} a turn"
 
+    def to_json(self, unit: str) -> dict[str, Any]:
+        """Return the screw as plain data, with its words."""
+        parts = vars(self).items()
+        plain = {key: x.tolist() if isinstance(x, np.ndarray) else x for key, x in parts}
+        return {"words": self.words(unit), **plain}
+
 
 @dataclass(frozen=True, eq=False)
 class AbsentConstraint:
-    """A constraint that could be added, and the freedoms that it would restrain.
+    """A constraint that could be added, and the freedoms that it would restrain."""
 
-    Attributes
-    ----------
-    kind, platform, base
-        The kind and the primitives of the constraint.
-    removes
-        How many freedoms it would remove: 0, 1, or more where it is at the end of its range.
-    touches
-        The numbers of the screws that it restrains, from 1.
-    """
-
+    #: The kind and the primitives of the constraint.
     kind: Kind
     platform: str
     base: str
+    #: How many freedoms it would remove: 0, 1, or more where it is at the end of its range.
     removes: int
+    #: The numbers of the screws that it restrains, from 1.
     touches: tuple[int, ...]
 
     @property
@@ -160,28 +150,13 @@ class Freedoms(EqualByContent):
             "T": self.T.tolist(),
             "rank": self.rank,
             "off": self.off.tolist(),
-            "screws": [
-                {
-                    "words": one.words(self.instance.units.length),
-                    "axis": one.axis.tolist(),
-                    "point": None if one.point is None else one.point.tolist(),
-                    "pitch": one.pitch,
-                    "twist": one.twist.tolist(),
-                }
-                for one in self.screws
-            ],
+            "screws": [one.to_json(self.instance.units.length) for one in self.screws],
             "redundant": [
                 {"constraint": number, "by": list(others)}
                 for number, others in self.redundant.items()
             ],
             "candidates": [
-                {
-                    "kind": one.kind.name,
-                    "platform": one.platform,
-                    "base": one.base,
-                    "removes": one.removes,
-                    "touches": list(one.touches),
-                }
+                {**vars(one), "kind": one.kind.name, "touches": list(one.touches)}
                 for one in self.candidates
             ],
         }
@@ -236,8 +211,7 @@ def freedoms(
     space = np.linalg.svd(taken)[2][rank:] * scale
     screws = tuple(_screws(space, T, length))
     off = _off(instance, R, T)
-    found = Freedoms(instance, R, T, rank, screws, redundant, off, ())
-    candidates = tuple(_candidates(found, length)) if screws else ()
+    candidates = tuple(_candidates(instance, R, T, screws, length)) if screws else ()
     return Freedoms(instance, R, T, rank, screws, redundant, off, candidates)
 
 
@@ -249,11 +223,7 @@ def _pose(instance: Instance, R: ArrayLike | None, T: ArrayLike | None) -> tuple
     if home is None:
         message = "found no pose, expected R and T, or an instance with home"
         raise ArgumentError(message, "R")
-    T = np.array([part.value for part in home.position])
-    if home.euler is not None:
-        angles = np.array([part.value for part in home.angles]) * instance.units.angle.in_radians
-        return rotation_from_euler(home.euler, angles), T
-    return rotation_from_quaternion(np.array([part.value for part in home.quaternion])), T
+    return home.R(instance.units.angle.in_radians), home.T
 
 
 def _size(instance: Instance) -> float:
@@ -417,12 +387,13 @@ def _off(instance: Instance, R: Array, T: Array) -> Array:
     return np.asarray(np.where(signed, values * sides, values) / units - arrangement.values)
 
 
-def _candidates(found: Freedoms, length: float) -> list[AbsentConstraint]:
+def _candidates(
+    instance: Instance, R: Array, T: Array, screws: Sequence[Screw], length: float
+) -> list[AbsentConstraint]:
     """Return the constraints between primitives of the file that would remove a freedom."""
-    instance = found.instance
     bodies = [instance.named(body) for body in ("platform", "base")]
     there = {(row.kind, row.platform_name, row.base_name) for row in instance.constraints}
-    twists = np.array([one.twist for one in found.screws])
+    twists = np.array([one.twist for one in screws])
     twists = twists / np.linalg.norm(twists * ([length] * 3 + [1.0] * 3), axis=1, keepdims=True)
     result = []
     for (here, one), (where, other) in product(bodies[0].items(), bodies[1].items()):
@@ -433,7 +404,7 @@ def _candidates(found: Freedoms, length: float) -> list[AbsentConstraint]:
                 continue
             row = Constraint(kind, one, other, Number.of(1))
             trial = Instance((row,), instance.units)
-            (rows,) = _rows(trial, found.R, found.T)
+            (rows,) = _rows(trial, R, T)
             acts = rows @ twists.T
             size = np.linalg.norm(rows * ([1 / length] * 3 + [1.0] * 3), axis=1).max(initial=0.0)
             strong = np.abs(acts).max(axis=0) > 1e-6 * max(size, 1e-300)

@@ -37,35 +37,24 @@ _CONDITION = 1e14
 
 @dataclass(frozen=True, eq=False)
 class Wrenches:
-    """The six constraints at poses as wrenches.
+    """The six constraints at poses as wrenches."""
 
-    Attributes
-    ----------
-    instance
-        The platform.
-    R, T
-        The poses, shapes (..., 3, 3) and (..., 3).
-    point
-        The point, fixed in the base, that twists and wrenches are about, shape (..., 3).
-    length
-        The unit of length in which lengths and angles are compared.
-    jacobian
-        Derivatives of the values, as `measure` gives them, with respect to the twist (omega, v),
-        shape (..., 6, 6): lengths and radians. Row k is the wrench (moment, force) of constraint k
-        at unit strength.
-    arrangement
-        The platform in floating point, with its points where the drives have them.
-    drives, q
-        The drives and their numbers, lengths and radians, shape (..., m).
-    """
-
+    #: The platform.
     instance: Instance
+    #: The poses, shapes (..., 3, 3) and (..., 3).
     R: Array
     T: Array
+    #: The point, fixed in the base, that twists and wrenches are about, shape (..., 3).
     point: Array
+    #: The unit of length in which lengths and angles are compared.
     length: float
+    #: Derivatives of the values, as `measure` gives them, with respect to the twist (omega, v),
+    #: shape (..., 6, 6): lengths and radians. Row k is the wrench (moment, force) of constraint k
+    #: at unit strength.
     jacobian: Array
+    #: The platform in floating point, with its points where the drives have them.
     arrangement: Arrangement
+    #: The drives and their numbers, lengths and radians, shape (..., m).
     drives: Machine
     q: Array
 
