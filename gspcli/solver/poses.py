@@ -224,7 +224,7 @@ class PoseSet(Poses):
     @property
     def account_text(self) -> str:
         """How many poses there are of which sort, and the verdict, on one line."""
-        parts = [f"{int(self.real.sum())} real of {len(self.R)} poses"]
+        parts = [f"{int(self.real.sum())} real of {len(self.R)} solutions"]
         if self.certified.any():
             parts.append(f"{int(self.certified.sum())} certified")
         ends = ((name, getattr(self.account, name)) for name in _NO_POSES)

@@ -95,6 +95,7 @@ def command(o: Options) -> None:
     with working("solving"):
         result = solve(instance)
     paged = o.output.format == _PAGE
+    lines = [f"{line[0].upper()}{line[1:]}." for line in summary(result)] if paged else []
     with working("preparing the picture"):
         scene, content = viewed(
             result,
@@ -105,7 +106,7 @@ def command(o: Options) -> None:
             names=not o.no_names,
             live=o.live,
             tracks=tracks,
-            summary=" ".join(f"{line}." for line in summary(result)) if paged else "",
+            summary=" ".join(lines),
             frame=form.frame,
         )
     write(o.output, content)

@@ -121,7 +121,7 @@ def test_order_is_by_quaternion_then_translation(result):
 
 def test_a_result_is_one_line_and_prints_as_a_table():
     result = solve(load(data_path("examples", "example-6.8.yaml")))
-    line = "64 real of 64 poses, 64 certified, complete, proved"
+    line = "64 real of 64 solutions, 64 certified, complete, proved"
     assert repr(result) == f"<SolveResult of Example 6.8: {line}>"
     assert repr(result.poses) == f"<PoseSet: {line}>"
     assert repr(result.instance) == "<Instance 'Example 6.8': ALL ALL ALL DPL DPL DPL (unit, deg)>"
