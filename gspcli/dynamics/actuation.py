@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.kinds import DLL, DLP, DPL, DPP
 from gspcli.dynamics.arrays import RowError, checked_array
 from gspcli.dynamics.mass_model import MassModel
+from gspcli.geometry.instance import Array
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import condition_numbers, measured, measured_between
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.geometry.tolerances import PARALLEL_SINE
 from gspcli.motion.poses.inverse_kinematics import refusals
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 #: A distance below this part of the platform's size is zero to doubles.

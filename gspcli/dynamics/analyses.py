@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.dynamics.arrays import make_read_only, plain
 from gspcli.dynamics.forces import inverse_dynamics
 from gspcli.errors import ArgumentError
-from gspcli.geometry.instance import METRES, Instance
+from gspcli.geometry.instance import METRES, Array, Instance
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import printed_condition, printed_conditions
 from gspcli.motion.files.requirements import QuantityParts
@@ -23,8 +23,6 @@ from gspcli.wording import counted
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Array = NDArray[np.float64]
 
 #: What only one pose is shown with.
 _LONG = {

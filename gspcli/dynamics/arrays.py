@@ -7,13 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.errors import ArgumentError
 from gspcli.geometry.checking import real_array
+from gspcli.geometry.instance import Array
 from gspcli.motion.poses.inverse_kinematics import checked_poses
-
-Array = NDArray[np.float64]
 
 
 def checked_rows(R: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.dynamics.actuation import Actuation, Flags, numbers_at
 from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
@@ -14,7 +14,7 @@ from gspcli.dynamics.mass_model import MassModel, named_drives
 from gspcli.dynamics.moving_bodies import MovingBodies
 from gspcli.dynamics.trajectories import PoseRates, at_rest, spline_motion
 from gspcli.errors import ArgumentError
-from gspcli.geometry.instance import METRES, Instance
+from gspcli.geometry.instance import METRES, Array, Instance
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import apply
 from gspcli.motion import measure
@@ -23,8 +23,6 @@ from gspcli.ties import first_largest
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Array = NDArray[np.float64]
 
 #: Poses computed at a time: their intermediate arrays stay in the cache of a core.
 _CHUNK = 500

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DPP
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.arrangement import Arrangement, Array
 from gspcli.geometry.checking import checked
 from gspcli.geometry.instance import METRES, Instance
 from gspcli.geometry.machine import Machine
@@ -19,8 +19,6 @@ from gspcli.geometry.masses import Arm, Carriage, Dynamics, Leg
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import as_array, unit_vectors
 from gspcli.records import dataclass
-
-Array = NDArray[np.float64]
 
 
 class LegMasses(NamedTuple):

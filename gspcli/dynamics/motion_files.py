@@ -5,20 +5,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.dynamics.actuation import Actuation
 from gspcli.dynamics.mass_model import MassModel
 from gspcli.dynamics.trajectories import ACCELERATION, VELOCITY, PoseRates, motion_of_platform
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Array, Instance
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.readings import factors
 from gspcli.motion import PoseFormat, PoseTable, ValueTable, read_poses, read_values
 from gspcli.motion.files.number_tables import NumberTable
 from gspcli.motion.files.pose_files import measured_columns, names_poses, poses_in
 from gspcli.motion.files.value_files import note_times
-
-Array = NDArray[np.float64]
 
 #: Columns of values: their rates, and the derivatives of these.
 RATES = tuple(f"v{k}" for k in range(1, 7))

@@ -26,14 +26,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.dynamics.arrays import RowError
 from gspcli.dynamics.mass_model import MassModel
+from gspcli.geometry.instance import Array
 from gspcli.geometry.machine import MachineAtPoses
 from gspcli.geometry.quaternions import apply, cross, dot
-
-Array = NDArray[np.float64]
 
 #: A leg at a smaller angle than this (radians) to the first axis of its universal joint is locked.
 _LOCKED = 1e-9

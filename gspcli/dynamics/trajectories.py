@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.frames import PoseFrame
+from gspcli.geometry.instance import Array
 from gspcli.geometry.quaternions import (
     conjugate,
     cross,
     quaternion_from_rotation,
     quaternion_product,
 )
-
-Array = NDArray[np.float64]
 
 #: The columns of velocities and accelerations in files.
 VELOCITY = ("wx", "wy", "wz", "vx", "vy", "vz")

@@ -11,21 +11,19 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.dynamics.actuation import PAIRS, Actuation, Flags, numbers_at, polarized
 from gspcli.dynamics.arrays import by_chunks, checked_array, checked_rows, make_read_only, plain
 from gspcli.dynamics.mass_model import MassModel, named_drives
 from gspcli.dynamics.moving_bodies import MovingBodies, equation_of_motion
 from gspcli.errors import ArgumentError
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Array, Instance
 from gspcli.records import EqualByContent, dataclass
 from gspcli.ties import ALIKE, definite_vectors, first_largest
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Array = NDArray[np.float64]
 
 FREQUENCIES = tuple(f"f{k}" for k in range(1, 7))
 #: Poses computed at a time: their intermediate arrays stay in the cache of a core.

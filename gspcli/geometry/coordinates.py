@@ -7,15 +7,13 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.errors import ArgumentError
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Array, Instance
 from gspcli.geometry.primitives import Geometry, Point
 from gspcli.records import dataclass
 from gspcli.wording import shown, suggestion
 
-Array = NDArray[np.float64]
 Body = Literal["platform", "base"]
 
 BODIES: tuple[Body, Body] = ("platform", "base")

@@ -11,14 +11,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.arrangement import Arrangement, Array
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.quaternions import vector_from_rotation
 from gspcli.records import EqualByContent, dataclass
-
-Array = NDArray[np.float64]
 
 #: Poses whose distances differ by less, in the platform's size, are equally near.
 _EQUAL = 1e-6

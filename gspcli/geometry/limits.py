@@ -5,14 +5,11 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.geometry.coordinates import BODIES
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Array, Instance
 from gspcli.geometry.machine import Machine, driven_points, value_machine
 from gspcli.records import dataclass
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

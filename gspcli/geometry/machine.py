@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.catalogue.kinds import DLL, DPP
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement, Placed
+from gspcli.geometry.arrangement import Arrangement, Array, Placed
 from gspcli.geometry.coordinates import BODIES
 from gspcli.geometry.instance import Constraint, Instance, Side
 from gspcli.geometry.measurement import (
@@ -45,8 +45,6 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Cone, Crank, Geometry, Point, Slide, as_array
 from gspcli.geometry.quaternions import apply, cross, dot
 from gspcli.records import dataclass
-
-Array = NDArray[np.float64]
 
 #: The cosine of an angle above one by less is one: at the end of what a crank or slide can reach.
 _END = 1e-12

@@ -11,15 +11,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.catalogue.types import CONSTRAINTS
 from gspcli.errors import ArgumentError
 from gspcli.geometry.checking import wrong_value
-from gspcli.geometry.instance import AngleUnit, Instance, Side
+from gspcli.geometry.instance import AngleUnit, Array, Instance, Side
 from gspcli.geometry.numbers import LARGEST, SMALLEST, Number
-
-Array = NDArray[np.float64]
 
 
 def offsets(instance: Instance, *, signed: bool = True) -> Array:

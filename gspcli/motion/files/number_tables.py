@@ -15,14 +15,11 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.errors import Location, Mistake, SpecError
-from gspcli.geometry.instance import METRES, Instance
+from gspcli.geometry.instance import METRES, Array, Instance
 from gspcli.records import dataclass
 from gspcli.wording import listed, nearest, shown, suggestion
-
-Array = NDArray[np.float64]
 
 #: A unit at the end of a heading, in brackets of either sort.
 _UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]")

@@ -13,18 +13,16 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.errors import Location, Mistake, SpecError
 from gspcli.geometry.euler import euler_from_rotation, rotation_from_euler
 from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.instance import Array
 from gspcli.geometry.numbers import LARGEST
 from gspcli.geometry.quaternions import quaternion_from_rotation, rotation_from_quaternion
 from gspcli.motion.files.number_tables import FileUnits, NumberTable, check, order_of, wrong_number
 from gspcli.records import dataclass
 from gspcli.wording import shown
-
-Array = NDArray[np.float64]
 
 #: Columns: the position of the pivot, that of the frame; a quaternion, angles, the entries of R.
 POSITION = ("x", "y", "z")

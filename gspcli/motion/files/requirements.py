@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.errors import GspError
+from gspcli.geometry.instance import Array
 from gspcli.motion.files.number_tables import wrong_number
 from gspcli.records import dataclass
 from gspcli.ties import first_largest
 from gspcli.wording import listed, shown, suggestion
-
-Array = NDArray[np.float64]
 
 
 class RequiredQuantity(NamedTuple):

@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from dataclasses import field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.arrangement import Arrangement, Array
 from gspcli.geometry.checking import value_range, wrong_value
 from gspcli.geometry.coordinates import Coordinate, choose, drive_corrections
 from gspcli.geometry.coordinates import coordinates as all_coordinates
@@ -24,8 +23,6 @@ from gspcli.motion.files.pose_files import ROUNDED, PoseFormat, names_poses, pos
 from gspcli.motion.poses.inverse_kinematics import drive_values, measure, refusals
 from gspcli.records import dataclass
 from gspcli.wording import shortened
-
-Array = NDArray[np.float64]
 
 _MOVING = ("crank", "slide")
 

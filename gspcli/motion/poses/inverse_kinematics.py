@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.arrangement import Arrangement, Array
 from gspcli.geometry.checking import real_array
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.readings import readings_of
-
-Array = NDArray[np.float64]
 
 #: Poses measured at a time: their intermediate arrays stay in the cache of a core.
 _CHUNK = 2000

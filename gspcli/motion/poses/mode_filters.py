@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from gspcli.errors import ArgumentError, GspError
 from gspcli.geometry.euler import euler_from_rotation
 from gspcli.geometry.frames import IDENTITY, PoseFrame
+from gspcli.geometry.instance import Array
 from gspcli.geometry.limits import restricts
 from gspcli.geometry.primitives import Point
 from gspcli.records import dataclass
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from gspcli.solver.result import SolveResult
 
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: The coordinates of a pose that conditions are about.

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gspcli.certification.equations.local_frames import LocalFrames
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.arrangement import Arrangement, Array
 from gspcli.geometry.enclosures import Enclosure, Jet, Matrix, roundings
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.measurement import gradients, value_signs
@@ -26,8 +26,6 @@ from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.neighbourhoods import SIGNS, Neighbourhood, corners
 from gspcli.motion.statics.wrenches import Wrenches
 from gspcli.records import dataclass
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

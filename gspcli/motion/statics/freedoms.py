@@ -12,19 +12,17 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.catalogue.kinds import KINDS_BY_NAME, Kind
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.arrangement import Arrangement, Array
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.records import EqualByContent, dataclass
 from gspcli.wording import counted, listed
-
-Array = NDArray[np.float64]
 
 #: Singular values and entries below this part of the largest are zero.
 _ZERO = 1e-8

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gspcli.errors import ArgumentError
-from gspcli.geometry.arrangement import Arrangement
+from gspcli.geometry.arrangement import Arrangement, Array
 from gspcli.geometry.enclosures import roundings
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine
@@ -28,8 +28,6 @@ from gspcli.geometry.measurement import condition_numbers, value_slopes, without
 from gspcli.geometry.quaternions import apply, cross
 from gspcli.records import dataclass
 from gspcli.ties import first_largest
-
-Array = NDArray[np.float64]
 
 #: Above this condition number the inverse matrix has no correct digits.
 _CONDITION = 1e14
