@@ -241,16 +241,8 @@ def _tolerances(found: Fit, numbers: FileNumbers, prior: float) -> Array:
 def likely_cause(model: Model, seen: Measurements, prior: float, unit: str) -> str | None:
     """Return the mistake without which the data are nearest to the machine as stated, in words.
 
-    None if none of `mistakes` explains them, or no pose was measured whole.
-
-    Parameters
-    ----------
-    model
-        The machine as stated.
-    seen
-        What was measured, poses in the frame of the base.
-    prior, unit
-        How well the machine is known before, a length, and its unit.
+    None if none of `mistakes` explains them up to what is known before, the length `prior`; or if
+    no pose was measured whole.
     """
     if not seen.whole.any():
         return None
@@ -1062,12 +1054,7 @@ def _shaped(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array
 def calibrated_text(result: Calibration, remarks_of_log: Sequence[str] = ()) -> str:
     """Return the file of what was found, with comments: ± the standard deviation of each number.
 
-    Parameters
-    ----------
-    result
-        What was found.
-    remarks_of_log
-        More comments for its head.
+    Remarks of a log are comments at its head.
     """
     fits = f"chi-squared {result.chi_squared:.4g} of"
     if result.scatter != 1.0:

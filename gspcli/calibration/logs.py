@@ -94,14 +94,7 @@ def read_log(
 ) -> Log:
     """Read a log: CSV with the columns 1 to 6, x y z and a rotation; cells may be blank.
 
-    Parameters
-    ----------
-    text, name
-        The content, and how messages name it.
-    ignore
-        Columns that are left out.
-    columns
-        The names of the columns of a log without a heading.
+    The name is for messages; columns of `ignore` are left out, `columns` stand for a heading.
 
     Raises
     ------
@@ -167,16 +160,8 @@ def read_measurements(
     ``crank.B1`` and ``slide.B1`` are readings of drives. Where drives have columns, a leg without a
     column keeps its stated length. Unknown columns are mistakes.
 
-    Parameters
-    ----------
-    text, name
-        The content, and how messages name it.
-    instance
-        The platform as stated.
-    form
-        The conventions of poses that the file does not state.
-    targets
-        Where points of the target are in the platform's frame, by name.
+    The name is for messages; the form has the conventions of poses that the file does not state;
+    targets are points in the platform's frame, (3,), by name.
 
     Raises
     ------

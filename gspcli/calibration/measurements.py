@@ -18,6 +18,7 @@ from gspcli.calibration.model import Model
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.coordinates import Body
 from gspcli.geometry.instance import Instance
+from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import Gradient, by_twist, gradients, measured
 from gspcli.geometry.quaternions import cross_matrix, rotation_from_vector, vector_from_rotation
 from gspcli.motion.files.value_files import nominal_values
@@ -108,8 +109,8 @@ class Measurements:
     euler
         The order of the axes of rx, ry, rz in degrees, if rotations were stated by them.
     rods
-        Which values are those of rods without readings, which are constants of the machine and
-        have no noise but that of the drives that move them, shape (6,); see `constant_rods`.
+        Which values are those of rods without readings or stay, which are constants of the machine
+        and have no noise but that of the drives that move them, shape (6,); see `constant_rods`.
     sorts
         Of a part of the rows: `measured_sorts` of all; None of all.
     left_out
@@ -198,21 +199,13 @@ class Measurements:
 
 
 def constant_rods(instance: Instance, model: Model, seen: Measurements) -> Measurements:
-    """Return what was measured, with the stated lengths of unread rods that drives move.
+    """Return what was measured, with the stated values of constants that were not read.
 
-    Parameters
-    ----------
-    instance
-        The platform as stated.
-    model
-        With its drives, if they were read.
-    seen
-        What was measured; a leg with a crank or a slide is a rod if it has no reading in any row.
+    A leg with a crank or a slide is a rod if it has no reading in any row; and a value that stays,
+    as in a tripod, is a constant, too.
     """
     unread = ~np.asarray(np.isfinite(seen.readings).any(axis=0))
-    rods: NDArray[np.bool_] = np.zeros(len(unread), np.bool_)
-    for drive in model.drives if seen.drives is not None else ():
-        rods[list(drive.rows)] = unread[list(drive.rows)]
+    rods = unread & (Machine.of(instance).fixed | model.driven(seen.drives))
     if not rods.any():
         return seen
     readings = np.where(rods, nominal_values(instance), seen.readings)
@@ -262,6 +255,8 @@ def value_rows(model: Model, R: Array, T: Array, seen: Measurements, noise: Nois
     by_model[:, numbers, at + numbers] = -1
     by_model[:, numbers, at + 6 + numbers] = -seen.readings
     sigma = np.array([noise.value if kind.is_distance else noise.angle for kind in model.kinds])
+    exact = _ROUNDING * np.array([model.length if x.is_distance else 1.0 for x in model.kinds])
+    sigma = np.where(seen.rods & ~model.driven(seen.drives), exact, sigma)
     _, w, arm = bodies.placed(R, T)
     found = WhitenedRows(residual, by_model, by_twist(by, arm, w))
     if seen.drives is not None and model.drives:
@@ -297,18 +292,8 @@ def _whitened(rows: WhitenedRows, sigma: Array, by_reading: Array, model: Model)
     """Return rows whose errors are independent and have the deviation one.
 
     Errors of one drive are common to all legs that it moves: the covariance of their rows is
-    ``S (1 + h h^T) S`` with the diagonal S of their own deviations, and its root is known.
-
-    Parameters
-    ----------
-    rows
-        The rows before.
-    sigma
-        The deviations of values without those of drives, shape (6,).
-    by_reading
-        Those that come from the reading of the drive, with their signs, shape (n, 6).
-    model
-        With its drives.
+    ``S (1 + h h^T) S`` with the diagonal S of their own deviations, (6,), and its root is known;
+    S h are those that come from the reading of the drive, with their signs, (n, 6).
     """
     weight = 1 / np.hypot(sigma, by_reading)
     groups = [list(drive.rows) for drive in model.drives if len(drive.rows) > 1]
@@ -374,20 +359,10 @@ def _point_rows(
     *,
     moves: str | None,
 ) -> WhitenedRows:
-    """Return how far a point of the target, or of a primitive of the platform, is from seen.
+    """Return how far a point is from where it was seen in the device's frame, (n, 3).
 
-    Parameters
-    ----------
-    model, R, T
-        As for `value_rows`.
-    at
-        The point in the target's frame; None for that of a primitive.
-    seen
-        Where it was measured, in the device's frame, shape (n, 3).
-    sigma
-        Of each coordinate.
-    moves
-        The primitive.
+    It is a point `at` in the target's frame, (3,), or that of the primitive of the platform that
+    it `moves` with.
     """
     A, a, B, b = _frames(model)
     first, by_model = model.geometry + 12, np.zeros((len(R), 3, len(model.free)))

@@ -104,13 +104,7 @@ class Block:
         ]
 
     def sizes(self, turn: float) -> list[float]:
-        """Return the change of each parameter that moves values by about a length of one.
-
-        Parameters
-        ----------
-        turn
-            Of an angle, in radians.
-        """
+        """Return the change of each parameter that moves values by about 1, an angle by `turn`."""
         offset = 1.0 if self.sort == "slide" else turn
         parts = [1.0] * len(self.shifts) + [turn] * len(self.tilts)
         return parts + [offset, turn][: len(self.corrections)]
@@ -170,14 +164,9 @@ def across(unit: Array) -> Array:
 
 
 def blocks_of(machine: Machine, zeros: Collection[str] = ()) -> Iterator[Block]:
-    """Yield the blocks of a machine, those of a platform's primitive before the base's.
+    """Yield the blocks of a machine with its cranks and rails, the platform's before the base's.
 
-    Parameters
-    ----------
-    machine
-        With the cranks and rails that are read.
-    zeros
-        The drives whose offset is estimated, by name: the point of the drive has no shift along it.
+    The points of the drives `zeros`, whose offset is estimated, have no shift along them.
     """
     arrangement, rows = machine.stated_arrangement, machine.instance.constraints
     users: dict[tuple[Body, str], list[int]] = {}
@@ -281,14 +270,8 @@ class Model:
     def of(cls, instance: Instance, *, drives: bool = False, zeros: Collection[str] = ()) -> Model:
         """Return the model of an instance, all parameters free but scales and frames.
 
-        Parameters
-        ----------
-        instance
-            The platform as stated.
-        drives
-            Whether its cranks and slides are read, so that axes and rails are estimated, too.
-        zeros
-            The drives whose offset is estimated in place of a shift of their point along them.
+        Where its cranks and slides are read, axes and rails are estimated, too; the offsets of the
+        drives `zeros` in place of a shift of their point along them.
 
         Raises
         ------
@@ -390,6 +373,11 @@ class Model:
         """The blocks of cranks and slides."""
         return tuple(block for block in self.blocks if block.is_drive)
 
+    def driven(self, readings: Array | None) -> NDArray[np.bool_]:
+        """Return which values are those of legs whose drives are read, shape (6,)."""
+        rows = [k for drive in self.drives for k in drive.rows] if readings is not None else []
+        return np.isin(np.arange(len(self.kinds)), rows)
+
     @property
     def drive_units(self) -> Array:
         """The units of the readings of drives in radians and lengths, shape (m,)."""
@@ -398,11 +386,7 @@ class Model:
     def bodies(self, readings: Array | None = None) -> Bodies:
         """Return the primitives as they are now.
 
-        Parameters
-        ----------
-        readings
-            Of the drives, in radians and lengths, a column for each, shape (n, m): the points are
-            then those of each pose, shape (n, 6, 3).
+        With readings of the drives in radians and lengths, (n, m), the points are (n, 6, 3).
         """
         y, x = np.zeros((2, 1 if readings is None else len(readings), 6, 3))
         u, v = np.zeros((2, 6, 3))
@@ -421,19 +405,9 @@ class Model:
     ) -> Iterator[tuple[list[int], Array, Array]]:
         """Yield how the parameters of a block move points and turn its direction.
 
-        Parameters
-        ----------
-        block
-            One of the model.
-        readings
-            As for `bodies`.
-
-        Yields
-        ------
-        rows, moves, turns
-            Constraints, and derivatives by each of the s parameters, in the frame of the body: of
-            their point, shape (n or 1, s, 3), and of the direction, shape (s, 3). A drive has one
-            for each of the points that it moves.
+        Constraints, and derivatives by each of the s parameters in the frame of the body: of their
+        point, shape (n or 1, s, 3), and of the direction, shape (s, 3). A drive has one for each of
+        the points that it moves; readings are as for `bodies`.
         """
         still = np.zeros((block.size, 3))
         if block.is_drive:
@@ -580,17 +554,9 @@ def _vectors(stated: Geometry, block: Block) -> list[tuple[str, Array, Array]]:
 
 
 def calibrated(instance: Instance, model: Model, deviations: dict[str, float]) -> Instance:
-    """Return the instance with the numbers of a model.
+    """Return the instance with the numbers of a model; readings stay unchanged.
 
-    Parameters
-    ----------
-    instance
-        As stated; numbers that were not estimated stay unchanged, and readings, too.
-    model
-        With the parameters found.
-    deviations
-        The standard deviation of each number that was estimated, by its name: numbers are rounded
-        to a thousandth of it.
+    Numbers that were estimated are those with deviations: rounded to a thousandth of them.
     """
     numbers = file_numbers(instance, model)
     found = dict(zip(numbers.names, numbers.values.tolist(), strict=True))

@@ -75,18 +75,8 @@ def candidates(
     All drives move at once to random numbers in their ranges, and the platform follows them from
     home. A pose is kept if legs are in their cones.
 
-    Parameters
-    ----------
-    machine
-        Its values that stay do not move.
-    R, T
-        Home, shapes (3, 3) and (3,).
-    seed
-        Of the random numbers.
-    count
-        How many; `_CANDIDATES` if None.
-    allowed
-        Which of some poses (R, T) are allowed besides, a mask; all if None.
+    Values that stay do not move. Home has the shapes (3, 3) and (3,); `allowed` gives a mask of
+    poses (R, T) that are allowed besides.
 
     Raises
     ------
@@ -177,14 +167,8 @@ _HARDLY = 0.5
 def d_optimal(slopes: Array, count: int, before: Array) -> NDArray[np.intp]:
     """Return the indices of poses, chosen one by one for the largest determinant of information.
 
-    Parameters
-    ----------
-    slopes
-        Whitened derivatives of what each of c poses tells, shape (c, q, f).
-    count
-        How many poses; one may be chosen more than once.
-    before
-        What is known before, an information matrix, shape (f, f).
+    One may be chosen more than once. Slopes are whitened derivatives of what each of c poses tells,
+    (c, q, f), `before` is the information matrix of what is known, (f, f).
     """
     eye = np.eye(slopes.shape[1])
     inverse, chosen = np.linalg.inv(before), []
@@ -383,13 +367,13 @@ def told_by(
 ) -> Array:
     """Return the derivatives of what each pose tells by the scaled free parameters, (n, q, f).
 
-    Without measurements before whole poses and all values are measured, but for rods.
+    Without measurements before whole poses and all values are measured, but for constants.
     """
     if seen is None:
-        readings = np.where(machine.driven, np.nan, 0.0)[None]
+        readings = np.where(machine.driven | machine.fixed, np.nan, 0.0)[None]
         seen = Measurements(readings, np.eye(3)[None], np.zeros((1, 3)), np.zeros(3))
-        if model.drives:
-            seen = constant_rods(machine.instance, model, replace(seen, drives=np.zeros((1, 0))))
+        seen = replace(seen, drives=np.zeros((1, 0)) if model.drives else None)
+        seen = constant_rods(machine.instance, model, seen)
     drives = None
     if model.drives:
         columns = [machine.names.index(drive.drive_name) for drive in model.drives]

@@ -537,16 +537,9 @@ class FittedPose:
 
 @dataclass(frozen=True, eq=False)
 class Without:
-    """The fit without one measurement.
+    """The best fit without one measurement, from 0: the six values, then the readings.
 
-    Attributes
-    ----------
-    measurement
-        Which one, from 0: the six values, then the readings.
-    alike
-        Others that may be the outlier as well: their studentised residuals are as large.
-    pose
-        The best fit without it.
+    Those that are alike may be the outlier as well: their studentised residuals are as large.
     """
 
     measurement: int

@@ -119,13 +119,7 @@ class ModeSets:
 
 
 def _heights(instance: Instance, R: Array, T: Array) -> Array:
-    """Return how high the middle of the platform is above the plane nearest to the base's points.
-
-    Raises
-    ------
-    ArgumentError
-        If the points of the base do not span a plane.
-    """
+    """Return how high the middle of the platform is above the plane of the base's points."""
     normal = body_normal(instance, "base")
     if normal is None:
         raise ArgumentError("the base has no sides: its points do not span a plane", "known_side")
@@ -480,13 +474,7 @@ def _named(given: Sequence[str | Sensor], instance: Instance) -> list[Sensor]:
 def _checked_rows(
     instance: Instance, values: ArrayLike, coordinates: Mapping[str, ArrayLike]
 ) -> tuple[Array, Array | None]:
-    """Return sets of readings with distances to planes unsigned, (n, 6), and q of drives, (n, m).
-
-    Raises
-    ------
-    ArgumentError
-        If shapes are wrong, or a point is on the side of a plane that the instance excludes.
-    """
+    """Return sets of readings, distances to planes unsigned, (n, 6), and q of drives, (n, m)."""
     rows = value_rows(values)
     if not len(rows):
         raise ArgumentError("found no set of values, expected at least one", "values")

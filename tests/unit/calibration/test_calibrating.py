@@ -28,8 +28,11 @@ from gspcli.calibration.calibrating import calibrated_text
 from gspcli.calibration.fitting import reduced
 from gspcli.calibration.measurements import Measurements, Noise
 from gspcli.calibration.model import Model
+from gspcli.calibration.planning import candidates
 from gspcli.errors import ArgumentError, IncompleteError
 from gspcli.geometry.instance import HomePose
+from gspcli.geometry.machine import Machine
+from gspcli.geometry.measurement import jacobian, measured
 from gspcli.geometry.quaternions import rotation_from_vector
 from gspcli.resources import data_path
 
@@ -331,6 +334,30 @@ def test_a_rotary_hexapod():
     assert result.unknowns.count == 0
     found, true = (readings(m, R, T, angles + 0.1) for m in (result.fit.model, truth))
     assert np.abs(found - true).max() < 1e-9 * truth.length
+
+
+def test_values_of_a_tripod_that_stay_are_constants():
+    """Nobody reads the three distances to planes of a 3-RPS: all numbers are found nevertheless."""
+    instance, rng = gspcli.example("three-rps"), np.random.default_rng(3)
+    machine, home = Machine.of(instance), gspcli.solve(instance).home
+    R, T, _ = candidates(machine, home.R, home.T, 0, count=60)
+    model = Model.of(instance)
+    step = 1e-3 * model.length * model.sizes * rng.normal(size=len(model.free))
+    truth = model.moved(np.where(model.free, step, 0.0))
+    stated = np.array([float(row.value.value) for row in instance.constraints])
+    bodies = truth.bodies()
+    read = np.where(machine.fixed, stated, readings(truth, R, T))
+    for _ in range(20):
+        short = measured(bodies, R, T) - truth.offsets - read
+        twist = np.linalg.solve(jacobian(bodies, R, T), -short[..., None])[..., 0]
+        R, T = rotation_from_vector(twist[:, :3]) @ R, T + twist[:, 3:]
+    blank = np.where(machine.fixed, np.nan, read)
+    result = gspcli.calibrate(instance, blank, R, T)
+    assert result.unknowns.count == 0
+    assert np.abs(readings(result.fit.model, R, T) - read).max() < 1e-9 * model.length
+    # Another constant than the stated one is another machine.
+    moved = gspcli.calibrate(instance, np.where(machine.fixed, read + 0.1, read), R, T, prior=10)
+    assert np.abs(moved.after - result.after).max() > 0.05
 
 
 def test_rods_that_nobody_reads_have_no_noise():
