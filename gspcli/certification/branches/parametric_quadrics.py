@@ -23,7 +23,7 @@ from gspcli.catalogue import kinds
 from gspcli.catalogue.kinds import Kind
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.statement import statements
-from gspcli.certification.numbers.balls import norm
+from gspcli.certification.numbers.balls import unit_vector
 from gspcli.certification.numbers.rounding import CONVERSION, TINY
 from gspcli.geometry import study
 from gspcli.geometry.enclosures import above
@@ -130,14 +130,12 @@ def ball_equations(instance: Instance) -> tuple[list[Equation], list[arb]]:
     """
     given = statements(instance)
     equations = [
-        moving_equation(row.kind, row.a, row.b, _unit(row.u), _unit(row.v), is_zero=row.is_zero)
+        moving_equation(
+            row.kind, row.a, row.b, unit_vector(row.u), unit_vector(row.v), is_zero=row.is_zero
+        )
         for row in given
     ]
     return equations, [1 / row.unit for row in given]
-
-
-def _unit(vector: list[arb]) -> list[arb]:
-    return [entry / norm(vector) for entry in vector]
 
 
 def moving_equation(

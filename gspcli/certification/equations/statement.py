@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import Kind, Law
 from gspcli.certification.equations.local_frames import StudyFrames, length_scale
-from gspcli.certification.numbers.balls import norm, power_of_two
+from gspcli.certification.numbers.balls import power_of_two, unit_vector
 from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
 from gspcli.geometry.primitives import Line, Plane, Point
 from gspcli.records import dataclass
@@ -131,18 +131,14 @@ def normalized(instance: Instance, frames: StudyFrames) -> NormalizedNumbers:
     platform, base = (
         [arb(c) / arb(frames.length) for c in origin] for origin in (frames.platform, frames.base)
     )
-    given = statements(instance)
+    given, nothing = statements(instance), [arb(0)] * 3
     return NormalizedNumbers(
         _array([[c * unit - o for c, o in zip(row.a, platform, strict=True)] for row in given]),
         _array([[c * unit - o for c, o in zip(row.b, base, strict=True)] for row in given]),
-        _array([_unit(row.u) for row in given]),
-        _array([_unit(row.v) for row in given]),
+        _array([unit_vector(row.u) or nothing for row in given]),
+        _array([unit_vector(row.v) or nothing for row in given]),
         _array([_value(row, unit) for row in given]),
     )
-
-
-def _unit(direction: list[arb]) -> list[arb]:
-    return [c / norm(direction) for c in direction] or [arb(0)] * 3
 
 
 def _value(row: Statement, unit: arb) -> arb:

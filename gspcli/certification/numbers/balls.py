@@ -79,6 +79,11 @@ def norm(vector: Sequence[Ball]) -> Ball:
     return (square.nonnegative_part() if isinstance(square, arb) else square).sqrt()
 
 
+def unit_vector(vector: Sequence[Ball]) -> list[Ball]:
+    """Return a vector over its norm; nothing for none."""
+    return [entry / norm(vector) for entry in vector]
+
+
 def largest(values: Sequence[Ball]) -> arb:
     """Return an upper bound, as an exact number, of the moduli; NaN if one is not finite."""
     bounds = [value.abs_upper() for value in values]

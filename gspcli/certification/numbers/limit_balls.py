@@ -11,7 +11,7 @@ from flint import arb
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import ANGLE_KINDS, DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law
-from gspcli.certification.numbers.balls import cross, dot, norm, rotated
+from gspcli.certification.numbers.balls import cross, dot, rotated, unit_vector
 from gspcli.certification.numbers.rounding import TINY
 from gspcli.geometry import study
 from gspcli.geometry.enclosures import above
@@ -118,9 +118,7 @@ def _direction(geometry: Geometry) -> list[arb]:
 
 
 def _unit(vector: Sequence[Number]) -> list[arb]:
-    balls = [number.ball() for number in vector]
-    size = norm(balls)
-    return [part / size for part in balls]
+    return unit_vector([number.ball() for number in vector])
 
 
 def _range(row: Constraint, degree: arb) -> list[tuple[float, float]]:
@@ -242,8 +240,8 @@ def _drive_numbers(
     square = row.value.ball() * row.value.ball()
     if one.drive.limits is None:
         return None, None, square
-    unit = degree if isinstance(one.drive, Crank) else arb(1)
-    low, high = (number.ball() * unit for number in one.drive.limits)
+    scale = degree if isinstance(one.drive, Crank) else arb(1)
+    low, high = (number.ball() * scale for number in one.drive.limits)
     return low, high, square
 
 
