@@ -50,10 +50,12 @@ def measured_quantities(
     R: Array,
     T: Array,
     known: Mapping[str, Array | QuantityParts] | None = None,
+    q: Array | None = None,
 ) -> dict[str, Array | QuantityParts]:
     """Return the numbers that requirements are about, at n poses R, T.
 
-    Known numbers are those that the command has already computed.
+    Known numbers are those that the command has already computed. Drives are at q, shape (n, m), or
+    where the poses ask them to be.
 
     Raises
     ------
@@ -63,23 +65,32 @@ def measured_quantities(
     found = dict(known or {})
     for one in requirements:
         if one.quantity not in found:
-            found[one.quantity] = _measured(instance, one.quantity, R, T)
+            found[one.quantity] = _measured(instance, one.quantity, R, T, q)
     return found
 
 
-def _measured(instance: Instance, name: str, R: Array, T: Array) -> Array | QuantityParts:
+def _measured(
+    instance: Instance, name: str, R: Array, T: Array, q: Array | None
+) -> Array | QuantityParts:
+    from gspcli.geometry.machine import Machine
+    from gspcli.motion.files.requirements import QuantityParts
+
     if name in _SOURCES:
         raise GspError(f"--require {name}: not known here, use {_SOURCES[name]}")
+    if name == "gap":
+        from gspcli.motion.collisions.compared import ComparedShapes
+
+        if instance.shapes is None:
+            stated = "SPEC states no shapes of its legs (shapes: {diameter: ...})"
+            raise GspError(f"--require gap: {stated}")
+        compared = ComparedShapes(instance)
+        return QuantityParts(compared.gaps(R, T, q), compared.names)
+
+    machine = Machine.of(instance)
     if name in ("range", "cone", "transmission"):
         from gspcli.motion.poses.inverse_kinematics import drive_values
 
-        machine, q = drive_values(instance, R, T)
-        return limits_of(machine, name, R, T, q)
-    if name == "gap":
-        return gaps_of(instance, R, T)
-    from gspcli.geometry.machine import Machine
-
-    machine = Machine.of(instance)
+        return _limits(machine, name, R, T, drive_values(instance, R, T)[1] if q is None else q)
     if name == "condition":
         from gspcli.geometry.measurement import condition_numbers, printed_conditions
 
@@ -98,33 +109,8 @@ def _measured(instance: Instance, name: str, R: Array, T: Array) -> Array | Quan
     return pose_clearances(instance, R, T)
 
 
-def gaps_of(instance: Instance, R: Array, T: Array, q: Array | None = None) -> QuantityParts:
-    """Return the gaps of n poses, with cranks and slides at q or where the poses ask them to be.
-
-    Raises
-    ------
-    GspError
-        If the instance states no shapes.
-    """
-    from gspcli.motion.collisions.compared import ComparedShapes
-    from gspcli.motion.files.requirements import QuantityParts
-
-    if instance.shapes is None:
-        raise GspError("--require gap: SPEC states no shapes of its legs (shapes: {diameter: ...})")
-    compared = ComparedShapes(instance)
-    return QuantityParts(compared.gaps(R, T, q), compared.names)
-
-
-def limits_of(machine: Machine, name: str, R: Array, T: Array, q: Array) -> QuantityParts:
-    """Return the ``range`` or ``cone`` as shares, or the ``transmission``, at n poses R, T.
-
-    The drives are at q, shape (n, m).
-
-    Raises
-    ------
-    GspError
-        If the instance states no such limit.
-    """
+def _limits(machine: Machine, name: str, R: Array, T: Array, q: Array) -> QuantityParts:
+    """Return the ``range`` or ``cone`` as shares, or the ``transmission``, at n poses R, T."""
     import numpy as np
 
     from gspcli.motion.files.requirements import QuantityParts

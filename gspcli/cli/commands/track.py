@@ -12,15 +12,7 @@ import numpy as np
 
 from gspcli.cli import options, pose_options
 from gspcli.cli.render import emit
-from gspcli.cli.requirements import (
-    gaps_of,
-    judged,
-    limits_of,
-    measured_quantities,
-    refuse,
-    require_option,
-    required,
-)
+from gspcli.cli.requirements import judged, measured_quantities, refuse, require_option, required
 from gspcli.cli.result import Fields, Result, pose_columns
 from gspcli.cli.streams import say, working
 from gspcli.errors import GspError, IncompleteError
@@ -402,11 +394,8 @@ def _at_all_rows(result: Track, requirement: Requirement) -> Array | QuantityPar
     if name in ("range", "transmission", "gap"):
         rows, modes = np.nonzero(~np.isnan(result.T[..., 0].T))
         R, T = (array[modes, rows] for array in (result.R, result.T))
-        machine = Machine.of(instance)
-        q = drive_rows(result, machine)[rows]
-        if name == "gap":
-            return gaps_of(instance, R, T, q)
-        return limits_of(machine, name, R, T, q)
+        q = drive_rows(result, Machine.of(instance))[rows]
+        return measured_quantities(instance, [requirement], R, T, q=q)[name]
     found: list[Array | QuantityParts] = []
     for part, moved in result.instances():
         rows, modes = np.nonzero(~np.isnan(result.T[:, part, 0].T))
