@@ -59,8 +59,8 @@ def command(o: Options) -> None:
     --of drives, for machines with cranks or slides, bounds how far all drives may move: in half
     their ranges, or in degrees and lengths. Two bounds are proved: no pose is singular within
     the first, and no drive comes to a dead point within the second, so that all keep their
-    working modes. The nearest fold and the nearest dead point that were found are shown; they are
-    not proved.
+    working modes. The nearest fold that was found is shown; it is proved. Where symmetric modes
+    meet (`singular pose`) that is seen and not proved, as is the nearest dead point.
 
     --of pose bounds how far the platform may move, for any values, before the six screws become
     dependent. Distances of poses are root mean squares of the displacements of the platform's
@@ -137,7 +137,8 @@ def _result(found: Clearances, asked: AskedPoses) -> Result:
         note = f"1 {units.angle.value} for cranks, 1 {units.length} for slides"
         note = "half the range of each drive" if weights_of(Machine.of(instance))[1] else note
         note = f"changes of all drives, in units of {note}; last columns: the drives at the fold"
-        columns = FIELDS.of(f"{asked.columns} lower working_modes upper dead_point drive")
+        columns = FIELDS.of(f"{asked.columns} lower working_modes upper")
+        columns += [FIELDS["by"].but(essential=False), *FIELDS.of("dead_point drive")]
         names = dict.fromkeys(Machine.of(instance).names, "")
     else:
         note = f"units of 1 {units.length} for distances, 1 {units.angle.value} for angles"

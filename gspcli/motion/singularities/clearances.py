@@ -7,8 +7,8 @@ to r times their weights, in any combination. Values that stay do not change.
 The lower bound is proved: up to it the pose has exactly one continuation, which is regular. Of
 cranks and slides a second number is proved: up to where none comes to a dead point, so that all
 keep their working modes. For the upper bound the mode is followed with proof along straight lines
-to the corners of the box until it is singular. Of values that is a proved fold; of cranks and
-slides it is not proved, and neither is the nearest dead point that was found.
+to the corners of the box until it is singular, in a proved fold. Where symmetric modes of cranks
+and slides meet that is seen and not proved, as is the nearest dead point that was found.
 """
 
 from __future__ import annotations
@@ -30,9 +30,17 @@ from gspcli.geometry.coordinates import BODIES, coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, value_machine
 from gspcli.geometry.measurement import condition_numbers
-from gspcli.motion.following.branch_follower import MovingPlatform, Stop, apart, over_rows
+from gspcli.motion.following.branch_follower import (
+    FollowOptions,
+    MovingGeometry,
+    MovingPlatform,
+    Stop,
+    apart,
+    at_values,
+    over_rows,
+)
 from gspcli.motion.following.follower import FollowedMode, RowFollower
-from gspcli.motion.following.tracks import track_from
+from gspcli.motion.following.tracks import Run
 from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values
 from gspcli.motion.singularities.neighbourhoods import Neighbourhood, neighbourhoods
 from gspcli.motion.singularities.pose_clearances import Clearance, pose_clearance
@@ -217,8 +225,10 @@ def each_clearance(
             )
             nearest = lines.nearest(found.lower, found.upper * _SHORT)
             if nearest is not None:
-                upper, numbers, turn, place = nearest
-                found = replace(found, upper=upper, numbers=numbers, R=turn, T=place, end=None)
+                upper, numbers, turn, place, by = nearest
+                found = replace(
+                    found, upper=upper, numbers=numbers, R=turn, T=place, by=by, end=None
+                )
             if isinstance(lines, _MachineLines):
                 dead_point, drive = lines.dead_point(_FIRST * found.lower)
                 found = replace(found, dead_point=dead_point, drive=drive)
@@ -240,7 +250,8 @@ def _range_end(machine: Machine, q: Array, units: Array, found: Clearance) -> Cl
         return found
     there = q.copy()
     there[k] = ends[k, which]
-    return replace(found, upper=float(rooms[k, which]), numbers=there, end=int(k))
+    size = float(rooms[k, which])
+    return replace(found, upper=size, numbers=there, by="end of range", end=int(k))
 
 
 class _Lines(ABC):
@@ -259,23 +270,36 @@ class _Lines(ABC):
         """Return where lines up to a size end before it, infinite for others, shape (n,)."""
 
     @abstractmethod
-    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array] | None:
-        """Return the size and the pose where a line ends, if it is singular there."""
+    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array, str] | None:
+        """Return size and pose where a line ends, if it is singular there, and what it is."""
 
-    def rows(self, k: int | slice, sizes: Array) -> Array:
-        """Return the numbers at sizes on lines, in the units of the instance."""
-        numbers: Array = (self.start + sizes * self.ways[k]) / self.machine.units
+    @abstractmethod
+    def platform(self, rows: Array) -> MovingPlatform | MovingGeometry:
+        """Return what moves along rows."""
+
+    def rows(self, k: int, sizes: Array) -> Array:
+        """Return the rows at sizes on a line, in the units of the instance."""
+        numbers: Array = (self.start + sizes[:, None] * self.ways[k]) / self.machine.units
         return numbers
 
-    def nearest(self, lower: float, most: float) -> tuple[float, Array, Array, Array] | None:
-        """Return the size, the numbers and the pose of the nearest singularity up to a size.
+    def fold(self, k: int, reach: float) -> tuple[float, Array, Array, str] | None:
+        """Return the size and the pose of the proved fold in which the mode ends on a line."""
+        rows, times = self.rows(k, np.array([0.0, reach])), np.array([1.0, 2.0])
+        run = Run(self.machine.instance, self.platform(rows), times, rows, FollowOptions())
+        for event in run.follow(self.R[None], self.T[None], np.ones(1, np.int64)).events:
+            if event.kind == "fold":
+                return (event.high - 1) * reach, event.R, event.T, "fold"
+        return None
+
+    def nearest(self, lower: float, most: float) -> tuple[float, Array, Array, Array, str] | None:
+        """Return size, numbers and pose of the nearest singularity up to a size, and what it is.
 
         Of lines that are equally long but for rounding errors the first is taken.
         """
         reach = min(most, max(_FIRST * lower, _LEAST))
         while True:
             ends = self.ends(reach)
-            best: tuple[float, Array, Array, Array] | None = None
+            best: tuple[float, Array, Array, Array, str] | None = None
             for k in ascending(ends, _EQUAL)[: np.isfinite(ends).sum()].tolist():
                 if best is not None and ends[k] >= best[0] * (1 - _EQUAL):
                     break
@@ -291,20 +315,20 @@ class _ValueLines(_Lines):
     """Lines of values, which end in proved folds."""
 
     def ends(self, reach: float) -> Array:
-        rows = np.stack([self.rows(k, np.array([[0.0], [reach]])) for k in range(len(self.ways))])
-        platform = MovingPlatform(over_rows(self.machine.instance, rows.reshape(-1, 6)))
+        sizes = np.array([0.0, reach])
+        rows = np.stack([self.rows(k, sizes) for k in range(len(self.ways))])
+        platform = self.platform(rows.reshape(-1, 6))
         pose = platform.points(self.R[None], self.T[None])
         found = platform.follow(
             platform.internal(rows), np.arange(len(rows)), np.repeat(pose, len(rows), axis=0)
         )
         return np.where(found.stop == Stop.STEP, found.fraction * reach, np.inf)
 
-    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array] | None:
-        rows = self.rows(k, np.array([[0.0], [reach]]))
-        for event in track_from(self.machine.instance, rows, self.R[None], self.T[None]).events:
-            if event.kind == "fold":
-                return (event.high - 1) * reach, event.R, event.T
-        return None
+    def platform(self, rows: Array) -> MovingPlatform:
+        return MovingPlatform(over_rows(self.machine.instance, rows))
+
+    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array, str] | None:
+        return self.fold(k, reach)
 
     def in_octants(self, units: Array, found: Clearance) -> float:
         """Return a better lower bound: the box is proved as 64 boxes with a corner at the values.
@@ -333,7 +357,7 @@ class _ValueLines(_Lines):
 
 
 class _MachineLines(_Lines):
-    """Lines of the numbers of drives. They are followed with proof; that they end is seen."""
+    """Lines of the numbers of drives, which end in proved folds, or where symmetric modes meet."""
 
     def __init__(self, machine: Machine, start: Array, ways: Array, R: Array, T: Array) -> None:
         super().__init__(machine, start, ways, R, T)
@@ -341,16 +365,22 @@ class _MachineLines(_Lines):
         owners = {(one.name, one.body): one for one in coordinates(machine.instance)}
         bodies = [BODIES[int(not machine.on_platform[machine.users(k)[0]])] for k in self.moved]
         names = [machine.names[k] for k in self.moved]
-        chosen = [owners[pair] for pair in zip(names, bodies, strict=True)]
-        self.follower = RowFollower(machine.instance, chosen)
+        self.chosen = [owners[pair] for pair in zip(names, bodies, strict=True)]
+        self.follower = RowFollower(machine.instance, self.chosen)
         self.last: dict[int, tuple[Array, Array]] = {}
+
+    def platform(self, rows: Array) -> MovingGeometry:
+        return MovingGeometry(at_values(self.machine.instance, rows[0]), self.chosen)
+
+    def rows(self, k: int, sizes: Array) -> Array:
+        """Return the rows at sizes on a line: six values, then the numbers of cranks and slides."""
+        machine, numbers = self.machine, super().rows(k, sizes)
+        values = np.where(machine.driven, machine.rods, numbers[:, machine.index])
+        return np.concatenate((values, numbers[:, self.moved]), axis=1)
 
     def follow(self, k: int, sizes: Array) -> FollowedMode:
         """Follow a line over rows at increasing sizes."""
-        machine, numbers = self.machine, self.rows(k, sizes[:, None])
-        values = np.where(machine.driven, machine.rods, numbers[:, machine.index])
-        rows = np.concatenate((values, numbers[:, self.moved]), axis=1)
-        return self.follower.follow(rows, self.R, self.T)
+        return self.follower.follow(self.rows(k, sizes), self.R, self.T)
 
     def ends(self, reach: float) -> Array:
         found = np.full(len(self.ways), np.inf)
@@ -360,11 +390,12 @@ class _MachineLines(_Lines):
                 found[k], self.last[k] = mode.part * reach, mode.last
         return found
 
-    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array] | None:
-        """Return the size and the pose at the end of a line if it is singular there.
+    def singular(self, k: int, end: float, reach: float) -> tuple[float, Array, Array, str] | None:
+        """Return size and pose at the end of a line, if it is singular there, and what it is.
 
         Towards a fold the square of 1 / condition falls linearly to zero; where modes meet that are
-        symmetric, 1 / condition itself does. Which of them is straighter is extrapolated.
+        symmetric, 1 / condition itself does. Which of them is straighter is extrapolated; a fold is
+        proved.
         """
         sizes = end * (1 - _BEFORE * np.array([3, 2, 1]))
         mode = self.follow(k, np.concatenate(([0.0], sizes)))
@@ -372,12 +403,14 @@ class _MachineLines(_Lines):
             return None
         q = self.start + sizes[:, None] * self.ways[k]
         fall = 1 / condition_numbers(self.machine.arrangement(q), mode.R[1:], mode.T[1:])
-        x = min(fall, fall**2, key=lambda x: abs(x[0] + x[2] - 2 * x[1]) / x[0])
+        bends = [abs(x[0] + x[2] - 2 * x[1]) / x[0] for x in (fall, fall**2)]
+        x = fall if bends[0] <= bends[1] else fall**2
         a, b, c = (np.prod(np.delete(x, j) / (np.delete(x, j) - x[j])) for j in range(3))
         size = float(sizes @ [a, b, c])
         if not abs(size / end - 1) < _BEFORE:
             return None
-        return max(size, end), *self.last[k]
+        proved = self.fold(k, reach) if bends[1] < bends[0] else None
+        return proved or (max(size, end), *self.last[k], "singular pose")
 
     def dead_point(self, high: float) -> tuple[float, int | None]:
         """Return the least size at which a gain changes its sign on a line, and its drive."""
@@ -456,17 +489,14 @@ class Clearances(EqualByContent):
     def to_frame(self) -> pd.DataFrame:
         """Return a row for each pose, without places; imports pandas.
 
-        The columns are lower, upper, ratio, and by and constraint, or, of drives, working_modes,
+        The columns are lower, upper, ratio and by, and constraint, or, of drives, working_modes,
         dead_point and drive.
         """
         import pandas as pd
 
-        last = (
-            ["working_modes", "dead_point", "drive"]
-            if self.of == "drives"
-            else ["by", "constraint"]
-        )
-        columns = ["lower", "upper", "ratio", *last]
+        drives = ["working_modes", "dead_point", "drive"]
+        last = drives if self.of == "drives" else ["constraint"]
+        columns = ["lower", "upper", "ratio", "by", *last]
         return pd.DataFrame(self.rows(), columns=columns)
 
     def to_json(self, names: Sequence[Mapping[str, Any]] | None = None) -> dict[str, Any]:
@@ -568,6 +598,7 @@ def _of_drives(machine: Machine, found: Clearance) -> dict[str, Any]:
         "lower": found.lower,
         "working_modes": found.working_modes,
         "upper": _finite(found.upper),
+        "by": found.by,
         "dead_point": _finite(found.dead_point),
         "ratio": _finite(found.ratio),
         "drive": None if found.drive is None else machine.names[found.drive],
@@ -579,14 +610,14 @@ def _of_drives(machine: Machine, found: Clearance) -> dict[str, Any]:
 
 def _of_values(machine: Machine, found: Clearance) -> dict[str, Any]:
     """Return the bounds of one pose, and the values at the nearest event; those of a pose, too."""
-    numbers, by = found.numbers, None if found.numbers is None else "fold"
+    numbers = found.numbers
     if numbers is None and found.R is not None:
-        numbers, by = machine.inverse(found.R, np.asarray(found.T)), "singular pose"
+        numbers = machine.inverse(found.R, np.asarray(found.T))
     return {
         "lower": found.lower,
         "upper": _finite(found.upper),
         "ratio": _finite(found.ratio),
-        "by": by if found.end is None else "end of range",
+        "by": found.by,
         "constraint": None if found.end is None else found.end + 1,
         "values": None if numbers is None else machine.readings(numbers).tolist(),
         "R": _listed(found.R),

@@ -318,8 +318,8 @@ class Clearance:
     #: Proved lower bound: up to here there is exactly one continuation, and no singularity.
     lower: float
     #: Of drives the distance of the nearest singularity that was found on the lines to the corners
-    #: of the box, or of the end of the range of a value; infinite if neither was found. Of values
-    #: it is a proved fold of this mode. Of poses it is proved: a nearer pose is singular.
+    #: of the box, or of the end of the range of a value; infinite if neither was found. A fold is
+    #: proved. Of poses it is proved: a nearer pose is singular.
     upper: float = np.inf
     #: The singular pose, of poses one within a billionth of `upper` from it; shapes (3, 3) and
     #: (3,). None if there is none.
@@ -327,6 +327,8 @@ class Clearance:
     T: Array | None = None
     #: Of drives: the numbers there, lengths and radians, shape (m,); None if infinite.
     numbers: Array | None = None
+    #: ``fold``, proved, ``end of range`` or ``singular pose``; None if there is none.
+    by: str | None = None
     #: The index of the constraint whose value is at an end of its range, such as a distance of
     #: zero; None for a singular pose.
     end: int | None = None
@@ -423,7 +425,7 @@ def pose_clearance(
     if found is None:
         return Clearance(lower)
     at, shift = home.poses(found[None])
-    return Clearance(lower, upper, at[0], shift[0])
+    return Clearance(lower, upper, at[0], shift[0], by="singular pose")
 
 
 def _divided(screws: Screws, proved: float, size: float) -> float:

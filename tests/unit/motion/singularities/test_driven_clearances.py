@@ -256,6 +256,28 @@ def test_values_that_stay_do_not_move_towards_a_fold() -> None:
     assert found.upper == pytest.approx(0.6457513110, rel=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("name", "by"),
+    [
+        ("three-prs", "fold"),
+        ("reachy-mini-head", "fold"),
+        ("t-top-head", "fold"),
+        ("delta", "singular pose"),
+        ("hexaglide", "singular pose"),
+    ],
+)
+def test_simple_folds_at_the_ends_of_lines_are_proved(name: str, by: str) -> None:
+    """Of symmetric machines more than two modes meet, which is seen only."""
+    instance = gspcli.example(name)
+    home, drives = instance.home, Machine.of(instance)
+    R = home.R(instance.units.angle.in_radians)
+    (found,) = each_clearance(drives, R[None], np.array([home.T]))
+    assert found.by == by
+    singular = np.linalg.svd(drives.jacobian(found.R, found.T, found.numbers), compute_uv=False)
+    assert singular[-1] < (1e-6 if by == "fold" else 1e-3) * singular[0]
+    assert gspcli.clearance(instance, R[None], home.T[None]).rows()[0]["by"] == by
+
+
 def test_a_dead_point_close_to_the_end_of_a_line_is_found() -> None:
     instance = gspcli.example("reachy-mini-head")
     home = instance.home
