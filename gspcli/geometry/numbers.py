@@ -407,23 +407,8 @@ _MAX_EXPONENT = 100
 _NOT_FINITE = {"nan", "inf", "infinity"}
 #: Functions of degrees, by what they are in radians.
 _OF_DEGREES = {"sind": "sin", "cosd": "cos", "tand": "tan"}
-#: The rational values of the sine (by Niven's theorem there are no others), by the angle in turns.
-_SINES: dict[Fraction, Fraction | int] = {
-    Fraction(0): 0,
-    Fraction(1, 12): Fraction(1, 2),
-    Fraction(1, 4): 1,
-    Fraction(5, 12): Fraction(1, 2),
-    Fraction(1, 2): 0,
-    Fraction(7, 12): Fraction(-1, 2),
-    Fraction(3, 4): -1,
-    Fraction(11, 12): Fraction(-1, 2),
-}
-#: Those of the tangent, by the angle in half turns.
-_TANGENTS: dict[Fraction, int] = {Fraction(0): 0, Fraction(1, 4): 1, Fraction(3, 4): -1}
 #: Operations on numbers that are not zero which may give zero without being rational.
 _MAY_BE_ZERO = ("+", "-", "sin", "cos")
-_AT_ZERO: dict[str, int] = {"sin": 0, "tan": 0, "asin": 0, "atan": 0, "cos": 1}
-_HALF = Fraction(1, 2)
 #: What spreadsheets make of some numbers; as a difference it would be read silently.
 _DATE = re.compile(r"(19|20)\d\d-(0[1-9]|1[0-2])-([0-2]\d|3[01])")
 _HINTS = {
@@ -623,30 +608,23 @@ def _rational_value(operation: str, arguments: tuple[Number, ...]) -> Fraction |
         For the tangent of an odd multiple of a quarter turn.
     """
     fractions = [argument.fraction for argument in arguments]
-    value: Fraction | int | None = None
     if (operation == "*" and 0 in fractions) or (operation == "/" and fractions[0] == 0):
         return Fraction(0)
-    (first, *_) = arguments
-    if operation == "sqrt" and first.fraction is not None and first.fraction >= 0:
-        roots = math.isqrt(first.fraction.numerator), math.isqrt(first.fraction.denominator)
-        root = Fraction(*roots)
-        return root if root * root == first.fraction else None
-    if operation == "acos" and first.fraction == 1:
+    first, exact = arguments[0], fractions[0]
+    if operation == "sqrt" and exact is not None and exact >= 0:
+        root = Fraction(math.isqrt(exact.numerator), math.isqrt(exact.denominator))
+        return root if root * root == exact else None
+    if (operation, exact) in (("asin", 0), ("atan", 0), ("acos", 1)):
         return Fraction(0)
-    if first.fraction == 0 and operation in _AT_ZERO:
-        return Fraction(_AT_ZERO[operation])
-    if operation not in ("sin", "cos", "tan"):
-        return None
-    halves = multiple_of_pi(first)
+    halves = multiple_of_pi(first) if operation in ("sin", "cos", "tan") else None
     if halves is None:
         return None
-    if operation == "tan":
-        if halves % 1 == _HALF:
-            raise ZeroDivisionError
-        value = _TANGENTS.get(halves % 1)
-    else:
-        value = _SINES.get((halves + (_HALF if operation == "cos" else 0)) / 2 % 1)
-    return None if value is None else Fraction(value)
+    if operation == "tan" and halves % 1 == Fraction(1, 2):
+        raise ZeroDivisionError
+    # By Niven's theorem a rational one is a multiple of a half.
+    number = Number(operation, arguments)
+    near = Fraction(round(2 * number.value), 2)
+    return near if sign_of(_folded("-", number, Number("rational", (near,)))) == 0 else None
 
 
 _PRECEDENCE = {"+": 1, "-": 1, "*": 2, "/": 2, "neg": 3}
