@@ -26,7 +26,7 @@ from gspcli.solver.side_search import FEW, Index, SideSearch
 _DECIMALS = 10**9
 #: Differences of directions, or of points from a line, from which poses are followed, negative for
 #: the other side: poses are found there with 32 digits.
-_APART = (1e-3, -3e-3)
+_APART = (1e-2, -3e-3)
 #: Bits in which all poses are computed by elimination: 512 do not suffice 1e33 lengths away, where
 #: machines in floating point have poses. The most paths for which that is done (some seconds).
 _BITS = (704, 1408, 2048)
@@ -35,6 +35,8 @@ _MOST = 200
 #: cube of all paths. Where there are no more paths than that, it takes half as long as with 32
 #: digits.
 FEW_PATHS, _OF_CUBE = 8, 1 / 8000
+#: If more than one path in this many is open, most of them lead to poses far away.
+_MANY = 8
 #: Sets of random paths that are tried, and at most if each of them leads to more poses.
 _ATTEMPTS, _MOST_ATTEMPTS = 3, 8
 
@@ -51,6 +53,9 @@ def with_32_digits(side: SideSearch) -> None:
     if _is_eliminable(side) and (_is_small(side) or _has_many_decimals(side)):
         # If the platform is special, it is so up to less than 32 digits show. Then paths would take
         # a quarter of the time of a first solution and find no pose.
+        return
+    if _MANY * len(side.unresolved) > count and points_off_lines(side.problem.instance):
+        # Paths from points off their line lead to more poses, in half the time.
         return
     side.unresolved = _followed(side, side.unresolved, 0)
 

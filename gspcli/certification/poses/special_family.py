@@ -8,6 +8,11 @@ position do not reach them. Multiply the small differences by s: the Study point
 series in s. They are followed from differences of 1e-3 to s = 1, along polynomials through the last
 points, with as many bits as N needs. On the way s is complex, so that no poses meet: each pose of
 the beginning leads to another one. The ends are located and proved like the ends of all paths.
+
+Newton's method converges to a relative error of about one in N, in f and in what of e cancels. So
+the polynomials are those of e, of N T and of N / s^m, N being of size s^m, with one coordinate of e
+equal to 1: e.e and f follow from them. Polynomials of e and f alone have to be right to s^4, so to
+twice as many digits, which takes three times as many points.
 """
 
 from __future__ import annotations
@@ -16,7 +21,7 @@ from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
-from math import exp, inf, log, log2, pi, tanh
+from math import exp, inf, isfinite, log, log2, pi, tanh
 from typing import Any
 
 import numpy as np
@@ -27,7 +32,8 @@ from gspcli.certification.equations.ball_system import BallSystem
 from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.equations.statement import Statement, statements
 from gspcli.certification.numbers.balls import Ball, dot, largest, norm
-from gspcli.certification.poses.locator import AtInfinity, Complex, Located, Locator
+from gspcli.certification.poses.locator import AtInfinity, Complex, Located, Locator, dot4
+from gspcli.geometry import study
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Point, Vector
@@ -36,20 +42,24 @@ from gspcli.records import dataclass
 
 #: Of three points on a line the distances from another line are independent.
 _FEWEST = 4
-#: Bits in which differences are computed; bits of the equations for each bit of s eps (N is of size
-#: eps^4, and with three directions the Jacobian matrix loses twice as many); additional
-#: bits.
-DIFFERENCE_BITS, _TIMES, _MORE = 2048, 12, 256
-#: The first step of log s; the factors of the next step after success and after failure.
-_FIRST, _LONGER, _SHORTER = 1e-6, 3.0, 4.0
+#: Bits in which differences are computed.
+DIFFERENCE_BITS = 2048
+#: Bits of the equations for each bit of s eps (N is of size eps^4, and with three directions the
+#: Jacobian matrix loses twice as many), and additional bits: of directions, and of points.
+_OF_DIRECTIONS, _OF_POINTS = (12, 256), (5, 160)
+#: The first step of log s; the least factor of the next step after success, and the first one as a
+#: power of ten; the divisor after failure.
+_FIRST, _LONGER, _FIRST_POWER, _SHORTER = 1e-6, 4.0, 2.5, 4.0
 #: The most steps of a pose, and the number of points of a polynomial.
-_STEPS, _POINTS = 200, 16
+_STEPS, _POINTS = 100, 12
 #: Newton's method near a simple solution: the largest ratio of two steps (of the first step to the
 #: point), the part of the bits with which it has converged, and the most steps.
-_SHRINKS, _ARRIVED, _NEWTON = 0.3, 0.25, 14
+_SHRINKS, _ARRIVED, _NEWTON = 0.3, 0.2, 14
+#: Bits to which an end is known when it is proved, about.
+_END_BITS = 240
 #: The equations of this many places are kept, those of the first paths: most paths have the same.
 _KEPT = 256
-#: Another coordinate becomes 1 if it is this many times as large as the one that is.
+#: Another coordinate of e becomes 1 if it is this many times as large as the one that is.
 _LARGE = 4.0
 #: No coordinate is smaller, but zero (`Number.of`).
 _LEAST = 1e-59
@@ -69,11 +79,14 @@ class SpecialFamily:
         `Statement` a vector in the same units.
     size
         The largest of them, as an angle or as a part of the distance of two points.
+    bits
+        Bits of equations for each bit of the differences, and additional ones.
     """
 
     instance: Instance
     differences: tuple[Mapping[str, Sequence[arb]], ...]
     size: float
+    bits: tuple[int, int]
 
     def at(self, s: Ball) -> tuple[Statement, ...]:
         """Return the constraints with the differences multiplied by s."""
@@ -150,6 +163,7 @@ class FamilyPaths:
         #: A place is log |s|; zero is s = 1, the platform itself.
         self._begin = log(abs(apart) / family.size)
         self._systems: dict[float, tuple[acb, BallSystem]] = {}
+        self._weights: dict[tuple[float, ...], acb_mat] = {}
 
     @property
     def instance(self) -> Instance:
@@ -173,11 +187,12 @@ class FamilyPaths:
             end = self._followed(start[:4] + [unit * x for x in start[4:]])
             if end is None:
                 return None
-            return self._locator.locate_exactly(end, self._sides, ctx.prec)
+            return self._locator.locate_exactly(end, self._sides, min(ctx.prec, _END_BITS))
 
     def _bits(self, x: float) -> int:
         """Return the bits for a place."""
-        return int(_MORE - _TIMES * log2(self._family.size * exp(x)))
+        times, more = self._family.bits
+        return int(more - times * log2(self._family.size * exp(x)))
 
     def _system(self, x: float) -> tuple[acb, BallSystem]:
         """Return s and the equations at a place, with as many bits as N needs there."""
@@ -226,44 +241,106 @@ class FamilyPaths:
         point = self._solution(x, _divided(start, patch), patch, near=False)
         if point is None:
             return None
-        points, places, step = [point], [self._system(x)[0]], _FIRST
+        unit = _largest(point[:4])
+        places, rows = [x], [_row(point, unit)]
+        step, powers = _FIRST, (0, 0)
         for _ in range(_STEPS):
-            after = max(x - step, 0.0)
-            s = self._system(after)[0]
-            found = self._solution(after, _extrapolated(places, points, s), patch)
+            step = min(step, x)
+            point = self._extrapolated(places, rows, powers, x - step)
+            patch = _largest(point)
+            found = self._solution(x - step, _divided(point, patch), patch)
             if found is None:
                 step /= _SHORTER
                 continue
-            if after == 0:
+            x -= step
+            if x == 0:
                 return found
-            points, places = [*points, found][-_POINTS:], [*places, s][-_POINTS:]
-            x, step = after, step * _LONGER
-            if float(abs(found[_largest(found)]).mid()) > _LARGE:
+            row = _row(found, unit)
+            of_moved, of_norm = (
+                _power(row[k], rows[-1][k], self._ratio(x, places[-1]))
+                for k in (4 + _largest(row[4:7]), 7)
+            )
+            # Other components of N T may vanish with other powers.
+            powers = min(of_moved, 0), of_norm
+            places, rows = [*places, x][-_POINTS:], [*rows, row][-_POINTS:]
+            step *= max(_LONGER, 10 ** (_FIRST_POWER / (len(places) - 1)))
+            if float(abs(row[_largest(row[:4])]).mid()) > _LARGE:
                 # A coordinate that becomes large has a pole at s = 0.
-                patch = _largest(found)
-                points = [_divided(point, patch) for point in points]
+                unit = _largest(row[:4])
+                rows = [_in_unit(row, unit) for row in rows]
         return None
+
+    def _ratio(self, x: float, other: float) -> acb:
+        """Return the ratio of s at two places."""
+        return self._system(x)[0] / self._system(other)[0]
+
+    def _extrapolated(
+        self, places: Sequence[float], rows: Sequence[Numbers], powers: tuple[int, int], x: float
+    ) -> Numbers:
+        """Return the Study point of the polynomials through rows at a place.
+
+        The powers are those of s in N T and N.
+        """
+        key = (*places, x)
+        if key not in self._weights:
+            self._weights[key] = _weights([self._system(y)[0] for y in key])
+        exponents = (0,) * 4 + powers[:1] * 3 + powers[1:]
+        scaled = []
+        for y, row in zip(places, rows, strict=True):
+            ratio = self._ratio(x, y)
+            scaled.append([(z * ratio**k).mid() for z, k in zip(row, exponents, strict=True)])
+        found = [z.mid() for z in (self._weights[key] * acb_mat(scaled)).entries()]
+        return _study_point(found[:4], found[4:7], found[7])
+
+
+def _row(point: Numbers, unit: int) -> Numbers:
+    """Return e, the vector part of f times the conjugate of e, and N, for e_k = 1."""
+    e, f = ([(x / point[unit]).mid() for x in part] for part in (point[:4], point[4:]))
+    moved = study.product(f, [e[0], *(-x for x in e[1:])])
+    return [x.mid() for x in (*e, *moved[1:], dot4(e, e))]
+
+
+def _power(number: acb, before: acb, ratio: acb) -> int:
+    """Return the power of s that a number grows with, from its value at another place."""
+    slope = float(((number / before).log() / ratio.log()).real.mid())
+    return round(slope) if isfinite(slope) else 0
+
+
+def _in_unit(row: Numbers, unit: int) -> Numbers:
+    """Return the row of another multiple of the Study point."""
+    factor = 1 / row[unit]
+    return [(x * factor ** (1 if i < 4 else 2)).mid() for i, x in enumerate(row)]
+
+
+def _study_point(e: Numbers, moved: Numbers, norm: acb) -> Numbers:
+    """Return the Study point of a row after a small change of e that makes e.e the norm."""
+    conjugate = [acb(x.real, -x.imag) for x in e]
+    size = sum((x * y for x, y in zip(e, conjugate, strict=True)), acb(0))
+    for _ in range(2):
+        part = ((norm - dot4(e, e)) / (2 * size)).mid()
+        e = [(x + part * y).mid() for x, y in zip(e, conjugate, strict=True)]
+    norm = dot4(e, e)
+    return [*e, *((x / norm).mid() for x in study.product([acb(0), *moved], e))]
 
 
 def _largest(point: Numbers) -> int:
-    return max(range(8), key=lambda k: float(abs(point[k]).mid()))
+    return max(range(len(point)), key=lambda k: float(abs(point[k]).mid()))
 
 
 def _divided(point: Numbers, patch: int) -> Numbers:
     return [(number / point[patch]).mid() for number in point]
 
 
-def _extrapolated(places: Sequence[acb], points: Sequence[Numbers], s: acb) -> Numbers:
-    """Return the value at s of the polynomial through points (Lagrange)."""
-    weights = []
-    for i, here in enumerate(places):
+def _weights(places: Sequence[acb]) -> acb_mat:
+    """Return the weights of all but the last place in a polynomial's value there (Lagrange)."""
+    *given, s = places
+    row = []
+    for i, here in enumerate(given):
         weight = acb(1)
-        for k, other in enumerate(places):
-            if k != i:
-                weight *= (s - other) / (here - other)
-        weights.append(weight)
-    row = acb_mat(1, len(weights), weights) * acb_mat(points)
-    return [x.mid() for x in row.entries()]
+        for other in (*given[:i], *given[i + 1 :]):
+            weight *= (s - other) / (here - other)
+        row.append(weight.mid())
+    return acb_mat(1, len(row), row)
 
 
 def _part(step: Sequence[acb], point: Sequence[acb]) -> float:
@@ -285,7 +362,7 @@ def points_off_lines(instance: Instance) -> SpecialFamily | None:
             for k, (off, far) in _off_line(points).items():
                 differences[k][name] = off
                 size = max(size, far)
-    return SpecialFamily(instance, tuple(differences), size) if size else None
+    return SpecialFamily(instance, tuple(differences), size, _OF_POINTS) if size else None
 
 
 def _off_line(points: Mapping[int, Sequence[arb]]) -> Mapping[int, tuple[list[arb], float]]:
@@ -343,7 +420,7 @@ def turned_directions(instance: Instance) -> SpecialFamily | None:
                     if 0 < far < TURNED_APART_RADIANS[1]:
                         differences[k][point] = offset
                         size = max(size, far)
-    return SpecialFamily(instance, tuple(differences), size) if size else None
+    return SpecialFamily(instance, tuple(differences), size, _OF_DIRECTIONS) if size else None
 
 
 def _turned(directions: Sequence[Sequence[arb]], k: int) -> tuple[int, list[arb], float] | None:

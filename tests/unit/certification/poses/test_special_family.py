@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,6 +28,8 @@ from gspcli.geometry.random_instances import random_instance
 from gspcli.solver import further, solve
 from gspcli.solver.problem import Problem
 from gspcli.solver.solved_starts import SolvedStarts
+from tests.support.special.platforms import platform
+from tests.support.turned_machines import machine
 
 
 def _members(family: SpecialFamily | None) -> tuple[Instance, Instance]:
@@ -216,3 +219,29 @@ def test_lines_that_are_nearly_the_same_are_moved_apart_too() -> None:
     parallel = turned_directions(_three_rods(20))
     assert parallel is not None
     assert not any("b" in names for names in parallel.differences)
+
+
+@pytest.mark.parametrize(
+    ("instance", "family_of", "index"),
+    [
+        # N is of size s^2; N is not small, and T has a pole.
+        (machine("points on a line at rods/doubles/1"), points_off_lines, slice(0, 48, 8)),
+        (platform("parallels/DLL-2/1e-12").instance, turned_directions, slice(9, 15)),
+    ],
+)
+def test_a_path_takes_few_steps(
+    instance: Instance, family_of: Any, index: slice, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, places = Problem(instance), []
+    paths = FamilyPaths(family_of(instance), problem.locator, problem.sides[0], 1e-2)
+    solution = FamilyPaths._solution
+
+    def counted(self: FamilyPaths, x: float, *given: Any, **named: Any) -> Any:
+        places.append(x)
+        return solution(self, x, *given, **named)
+
+    monkeypatch.setattr(FamilyPaths, "_solution", counted)
+    begin = problem.like(paths.instance)
+    ends = list(further._ends(begin, 0))[index]
+    assert all(isinstance(paths.locate(begin.locator, *end), Located) for end in ends)
+    assert len(places) <= 18 * len(ends)
