@@ -614,7 +614,7 @@ def _rational_value(operation: str, arguments: tuple[Number, ...]) -> Fraction |
     if operation == "sqrt" and exact is not None and exact >= 0:
         root = Fraction(math.isqrt(exact.numerator), math.isqrt(exact.denominator))
         return root if root * root == exact else None
-    if (operation, exact) in (("asin", 0), ("atan", 0), ("acos", 1)):
+    if exact is not None and exact == {"asin": 0, "atan": 0, "acos": 1}.get(operation):
         return Fraction(0)
     halves = multiple_of_pi(first) if operation in ("sin", "cos", "tan") else None
     if halves is None:
