@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -34,12 +34,14 @@ from gspcli.sensing.sensor_kinds import (
     JointSensor,
     SensorReading,
     ValueSensor,
+    check_sigmas,
+    each_parsed,
     parse_reading,
     verticals,
 )
 from gspcli.solver import SolveResult, solve
 from gspcli.ties import first_largest
-from gspcli.wording import counted, listed, shown
+from gspcli.wording import counted, listed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -167,18 +169,8 @@ def parsed_readings(
         If there is none, or one is wrong.
     """
     given = [readings] if isinstance(readings, str | SensorReading) else list(readings)
-    if not given:
-        raise ArgumentError("found none, expected at least one", "readings")
-    parsed: list[SensorReading] = []
-    for k, one in enumerate(given):
-        try:
-            parsed.append(
-                parse_reading(one, instance, repeated=repeated) if isinstance(one, str) else one
-            )
-        except ArgumentError as error:
-            where = f", {error.where}" if error.where else ""
-            raise ArgumentError(error.message, f"readings[{k}]{where}") from None
-    return parsed
+    parse = partial(parse_reading, instance=instance, repeated=repeated)
+    return each_parsed(given, parse, "readings")
 
 
 def fit_readings(result: SolveResult, readings: Sequence[str | SensorReading]) -> ReadingFit:
@@ -229,18 +221,10 @@ _STEP = 6e-6
 
 @dataclass(frozen=True, eq=False)
 class PoseNumbers:
-    """Six values and r readings, each with its standard deviation.
+    """The six values of a platform and r readings, each with its standard deviation.
 
-    Attributes
-    ----------
-    instance
-        The platform; its values were measured.
-    readings
-        What was measured besides.
-    sigmas
-        Standard deviations of the six values, in the units of the instance, shape (6,).
-    left_out
-        Which measurements do not count: indices into `names`.
+    Those of the values are `sigmas`, in the units of the instance, (6,). Measurements that are left
+    out, indices into `names`, do not count.
     """
 
     instance: Instance
@@ -362,13 +346,7 @@ def value_sigmas(instance: Instance, sigma: Mapping[str, float]) -> Array:
         If a name or number is wrong, or nothing is known of a constraint.
     """
     rows = dict(enumerate(instance.constraints, 1))
-    for name, deviation in sigma.items():
-        if name not in ("value", "angle", *map(str, rows)):
-            message = f"found {shown(name)}, expected value, angle or the number of a constraint"
-            raise ArgumentError(message, "sigma")
-        if not 0 < deviation < math.inf:
-            message = f"found {deviation:g}, expected a standard deviation above 0"
-            raise ArgumentError(message, f"sigma[{name!r}]")
+    check_sigmas(sigma, ("value", "angle", *map(str, rows)))
     sorts = {k: "value" if row.kind.is_distance else "angle" for k, row in rows.items()}
     tolerances = {k: row.tolerance.value if row.tolerance else 0.0 for k, row in rows.items()}
     found = [sigma.get(str(k), sigma.get(sorts[k], tolerances[k])) for k in rows]
@@ -788,11 +766,7 @@ def fit_poses(
 
 
 def _starts(numbers: PoseNumbers) -> tuple[tuple[Array, Array], tuple[tuple[int, ...], ...]]:
-    """Return the poses of choices of six measurements, and the choices that were solved.
-
-    Of poses that are not real the nearest real one is a start, too: with errors of measurement two
-    real poses become complex.
-    """
+    """Return the poses of choices of six measurements, and the choices that were solved."""
     instance = numbers.instance
     candidates = candidates_of(instance, numbers.readings)
     used, chosen = np.zeros(len(candidates), int), candidates[:6]
@@ -829,7 +803,10 @@ def _starts(numbers: PoseNumbers) -> tuple[tuple[Array, Array], tuple[tuple[int,
 
 
 def _real_starts(result: SolveResult) -> tuple[Array, Array]:
-    """Return the real poses of a result, and the nearest ones to those that are not real."""
+    """Return the real poses of a result, and the nearest ones to those that are not real.
+
+    With errors of measurement two real poses become complex.
+    """
     U, _, V = np.linalg.svd(result.R.real)
     sign = np.linalg.det(U @ V)
     U[..., 2] *= sign[:, None]

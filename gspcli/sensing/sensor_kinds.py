@@ -17,9 +17,10 @@ only names and exact numbers: it means the same on a platform whose cranks have 
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator
-from typing import ClassVar, Literal, TypeAlias
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import ClassVar, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,7 @@ from gspcli.wording import counted, listed, shown, suggestion
 
 Array = NDArray[np.float64]
 Unit = Literal["length", "angle"]
+Parsed = TypeVar("Parsed")
 
 #: The axes of a frame as directions, by their names.
 AXES = {"x": vector(1, 0, 0), "y": vector(0, 1, 0), "z": vector(0, 0, 1)}
@@ -368,6 +370,38 @@ def parse_reading(text: str, instance: Instance, *, repeated: bool = False) -> S
         message = f"found {shown(last.strip())}, expected a standard deviation above 0"
         raise ArgumentError(message, f"column {at + len(last) - len(last.lstrip())}")
     return SensorReading(sensor, tuple(values), sigma.value)
+
+
+def each_parsed(
+    given: Sequence[str | Parsed], parse: Callable[[str], Parsed], where: str
+) -> list[Parsed]:
+    """Return what texts name, at least one; what is no text is taken as it is.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none, or one is wrong: which one, and the column of the mistake.
+    """
+    if not given:
+        raise ArgumentError("found none, expected at least one", where)
+    found = []
+    for k, one in enumerate(given):
+        try:
+            found.append(parse(one) if isinstance(one, str) else one)
+        except ArgumentError as error:
+            at = f", {error.where}" if error.where else ""
+            raise ArgumentError(error.message, f"{where}[{k}]{at}") from None
+    return found
+
+
+def check_sigmas(sigma: Mapping[str, float], known: Sequence[str]) -> None:
+    """Raise `ArgumentError` for a standard deviation of an unknown name, or that is not above 0."""
+    for name, deviation in sigma.items():
+        if name not in known:
+            raise ArgumentError(f"found {shown(name)}, expected {listed(known)}", "sigma")
+        if not 0 < deviation < math.inf:
+            message = f"found {deviation:g}, expected a standard deviation above 0"
+            raise ArgumentError(message, f"sigma[{name!r}]")
 
 
 def _same_place(one: Geometry, other: Geometry) -> bool:

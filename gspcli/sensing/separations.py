@@ -25,7 +25,15 @@ from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import apply, vector_from_rotation
 from gspcli.geometry.readings import problems_of, readings_of, value_rows, values_of
 from gspcli.records import Tabular, dataclass
-from gspcli.sensing.sensor_kinds import KINDS, Sensor, body_normal, candidates, parse_sensor
+from gspcli.sensing.sensor_kinds import (
+    KINDS,
+    Sensor,
+    body_normal,
+    candidates,
+    check_sigmas,
+    each_parsed,
+    parse_sensor,
+)
 from gspcli.solver import SolveResult, solve, solve_batch
 from gspcli.solver.api import whole
 
@@ -47,18 +55,10 @@ _DECIMALS = 6
 
 @dataclass(frozen=True, eq=False)
 class ModeSets:
-    """The real modes at each of b sets of values; rows with fewer than m modes are padded.
+    """The real modes of a platform at b sets of values: R (b, m, 3, 3) and T (b, m, 3).
 
-    Attributes
-    ----------
-    instance
-        The geometry, drives moved.
-    R, T
-        Shapes (b, m, 3, 3) and (b, m, 3).
-    numbers
-        The number of each mode among the real ones, from 1; 0 for padding; shape (b, m).
-    complete
-        For which sets of values all poses are known, shape (b,).
+    `numbers` are those of the modes among the real ones, from 1; rows with fewer than m are padded
+    with 0, (b, m). `complete` says for which sets all poses are known, (b,).
     """
 
     instance: Instance
@@ -175,28 +175,26 @@ def separations(
 def _of_block(
     sets: ModeSets, sensors: Sequence[Sensor], sigmas: Array
 ) -> tuple[NDArray[np.generic], ...]:
-    apart = sets.differences(sensors, sigmas)
-    first, second = sets.pairs
-    rows, count = np.arange(len(sets.numbers)), (sets.numbers > 0).sum(axis=1)
-    if not len(first):
-        far = np.full(len(rows), np.inf)
-        least, worst = np.tile(far, (len(sensors), 1)), np.zeros((len(sensors), len(rows), 2), int)
-        return least, worst, count, sets.complete, far, np.zeros((len(rows), 2), int), far, far
+    """Return the fields of `Separations` for some sets."""
+    apart, pairs = sets.differences(sensors, sigmas), sets.numbers[:, np.stack(sets.pairs, axis=-1)]
+    n, count = len(sets.numbers), (sets.numbers > 0).sum(axis=1)
+    if not pairs.shape[1]:
+        far, none = np.full(n, np.inf), np.zeros((len(sensors), n, 2), int)
+        return np.tile(far, (len(sensors), 1)), none, count, sets.complete, far, none[0], far, far
+    rows = np.arange(n)
     at = np.round(apart, _DECIMALS).argmin(axis=2)
     least = np.take_along_axis(apart, at[..., None], axis=2)[..., 0]
-    pairs = np.stack((sets.numbers[:, first], sets.numbers[:, second]), axis=-1)
     worst = np.where(np.isfinite(least)[..., None], pairs[rows, at], 0)
     best = apart.max(axis=0)
     near = np.round(best, _DECIMALS).argmin(axis=1)
-    closest = best[rows, near]
-    numbers = np.where(np.isfinite(closest)[:, None], pairs[rows, near], 0)
-    (R, T), (Q, S) = ((sets.R[rows, k[near]], sets.T[rows, k[near]]) for k in (first, second))
+    closest, there = best[rows, near], np.isfinite(best[rows, near])
+    (R, T), (Q, S) = ((sets.R[rows, k[near]], sets.T[rows, k[near]]) for k in sets.pairs)
     points = Arrangement.of(sets.instance).y
     way = np.linalg.norm(points @ np.swapaxes(R - Q, 1, 2) + (T - S)[:, None], axis=2).max(axis=1)
     turn = np.linalg.norm(vector_from_rotation(np.swapaxes(Q, 1, 2) @ R), axis=1)
-    there = np.isfinite(closest)
-    way, turn = np.where(there, way, np.inf), np.where(there, turn, np.inf)
-    return least, worst, count, sets.complete, closest, numbers, way, turn
+    numbers = np.where(there[:, None], pairs[rows, near], 0)
+    moved = [np.where(there, part, np.inf) for part in (way, turn)]
+    return least, worst, count, sets.complete, closest, numbers, *moved
 
 
 @dataclass(frozen=True, eq=False)
@@ -415,8 +413,11 @@ def sensors(
     seed, jobs = whole(seed, "seed", least=0), whole(jobs, "jobs", least=1)
     if not (isinstance(need, int | float) and 0 < need < math.inf):
         raise ArgumentError(f"found {need!r}, expected a number above 0", "need")
-    chosen = candidates(instance) if sensors is None else _named(sensors, instance)
-    usual = _sigmas(instance, sigma or {})
+    chosen = candidates(instance)
+    if sensors is not None:
+        chosen = each_parsed(sensors, lambda text: parse_sensor(text, instance), "sensors")
+    check_sigmas(sigma or {}, KINDS)
+    usual = default_sigmas(instance) | {kind: float(x) for kind, x in (sigma or {}).items()}
     deviations = np.array([usual[sensor.kind] for sensor in chosen])
     if values is None:
         rows, blocks = None, [ModeSets.of_result(_finite(instance, seed, jobs))]
@@ -446,29 +447,6 @@ def default_sigmas(instance: Instance) -> dict[str, float]:
     angle = math.radians(_SIGMA_DEGREES) / instance.units.angle.in_radians
     angle = float(f"{angle:.{_DIGITS}g}")
     return {kind: length if kind in ("leg", "distance") else angle for kind in KINDS}
-
-
-def _sigmas(instance: Instance, given: Mapping[str, float]) -> dict[str, float]:
-    """Return the standard deviations by kind: given ones, or else the default."""
-    for kind, value in given.items():
-        if kind not in KINDS:
-            raise ArgumentError(f"found {kind!r}, expected one of {', '.join(KINDS)}", "sigma")
-        if not 0 < value < math.inf:
-            message = f"found {value!r}, expected a standard deviation above 0"
-            raise ArgumentError(message, f"sigma[{kind!r}]")
-    return default_sigmas(instance) | {kind: float(value) for kind, value in given.items()}
-
-
-def _named(given: Sequence[str | Sensor], instance: Instance) -> list[Sensor]:
-    if not len(given):
-        raise ArgumentError("found none, expected at least one sensor, or None for all", "sensors")
-    found = []
-    for k, one in enumerate(given):
-        try:
-            found.append(parse_sensor(one, instance) if isinstance(one, str) else one)
-        except ArgumentError as error:
-            raise ArgumentError(error.message, f"sensors[{k}], {error.where}") from None
-    return found
 
 
 def _checked_rows(
