@@ -11,14 +11,12 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gspcli.errors import ArgumentError
-from gspcli.geometry.instance import Frame, Instance
+from gspcli.geometry.instance import Array, Frame, Instance
 from gspcli.geometry.quaternions import apply
 from gspcli.records import dataclass
-
-Array = NDArray[np.float64]
 
 #: What to do where home is needed and not stated.
 NO_HOME = (

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gspcli.catalogue.coincidence import Bond, over_constraint, parse_sharing
 from gspcli.catalogue.kinds import Primitive
@@ -16,13 +15,11 @@ from gspcli.catalogue.types import GspType
 from gspcli.defaults import SEED
 from gspcli.errors import GspError
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
+from gspcli.geometry.instance import AngleUnit, Array, Constraint, Instance, Side, Units
 from gspcli.geometry.measurement import condition_numbers, jacobian, measured
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Line, Plane, Point, Vector
 from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
-
-Array = NDArray[np.float64]
 
 _BOND = re.compile(r"[PLH]\d+[-^][plh]\d+")
 #: A hidden pose with a greater condition number is too near a singular one: draw again.

@@ -27,10 +27,8 @@ from gspcli.certification.numbers.balls import unit_vector
 from gspcli.certification.numbers.rounding import CONVERSION, TINY
 from gspcli.geometry import study
 from gspcli.geometry.enclosures import above
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Array, Instance
 from gspcli.records import dataclass
-
-Array = NDArray[np.float64]
 
 _PRECISION = 128
 #: A bound of the relative error of norms of matrices that are computed in doubles.

@@ -26,10 +26,8 @@ from gspcli.certification.equations.local_frames import length_scale
 from gspcli.certification.numbers.balls import cross, dot, norm
 from gspcli.geometry import study
 from gspcli.geometry.coordinates import Body, Coordinate
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance
+from gspcli.geometry.instance import AngleUnit, Array, Constraint, Instance
 from gspcli.geometry.primitives import Crank, Line, Plane, Point, Slide
-
-Array = NDArray[np.float64]
 
 _PRECISION = 128
 #: A ball, or a power series with balls for coefficients.

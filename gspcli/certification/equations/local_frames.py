@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gspcli.certification.numbers.doubled import two_product, two_sum
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import Constraint, Instance
+from gspcli.geometry.instance import Array, Constraint, Instance
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Geometry, Vector, vector
 from gspcli.records import dataclass
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from flint import acb
 
 
-Array = NDArray[np.float64]
 #: Real or complex.
 Floats = NDArray[Any]
 

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DLL
 from gspcli.geometry.enclosures import above, roundings
-from gspcli.geometry.instance import Instance
+from gspcli.geometry.instance import Array, Instance
 from gspcli.geometry.primitives import Line
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 

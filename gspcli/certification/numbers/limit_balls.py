@@ -15,12 +15,10 @@ from gspcli.certification.numbers.balls import cross, dot, rotated, unit_vector
 from gspcli.certification.numbers.rounding import TINY
 from gspcli.geometry import study
 from gspcli.geometry.enclosures import above
-from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side
+from gspcli.geometry.instance import AngleUnit, Array, Constraint, Instance, Side
 from gspcli.geometry.machine import MovedPoint, driven_points, joint_cones
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.primitives import Crank, Geometry, Point
-
-Array = NDArray[np.float64]
 
 PRECISION = 160
 #: The measured quantities, with the numbers of native/reach.hpp.

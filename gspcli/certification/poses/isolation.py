@@ -145,29 +145,19 @@ STEPS = 20
 
 @dataclass(frozen=True)
 class Isolation:
-    """A ball of Study points with exactly one solution in it.
+    """A ball of Study points with exactly one solution in it."""
 
-    Attributes
-    ----------
-    centre
-        Eight exact coordinates; that of the patch is 1.
-    patch
-        Index of the coordinate of e that is fixed.
-    sides
-        For each constraint the index of its equation.
-    error
-        Exact upper bound of the distance of the solution from the centre, in the maximum norm.
-    uniqueness
-        Radius of the closed ball about the centre that has no other solution of these sides.
-    precision
-        Bits of the proof.
-    """
-
+    #: Eight exact coordinates; that of the patch is 1.
     centre: tuple[acb, ...]
+    #: Index of the coordinate of e that is fixed.
     patch: int
+    #: For each constraint the index of its equation.
     sides: tuple[int, ...]
+    #: Exact upper bound of the distance of the solution from the centre, in the maximum norm.
     error: arb
+    #: Radius of the closed ball about the centre that has no other solution of these sides.
     uniqueness: float
+    #: Bits of the proof.
     precision: int
 
     @property

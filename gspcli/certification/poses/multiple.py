@@ -118,26 +118,18 @@ _SAME = 2.0**-60
 
 @dataclass(frozen=True, eq=False)
 class MultiplePose:
-    """A pose at which several solutions meet, by numerical evidence.
+    """A pose at which several solutions meet, by numerical evidence."""
 
-    Attributes
-    ----------
-    R, T, quaternion
-        The pose in the frames and length units of the instance, shapes (3, 3), (3,), (4,).
-    real
-        Whether it is its own conjugate.
-    multiplicity
-        The number of paths that lead to it.
-    is_pose
-        Whether the stated constraints hold: no DLL has parallel lines at another distance, for
-        which its equation holds, too.
-    """
-
+    #: The pose in the frames and length units of the instance, shapes (3, 3), (3,), (4,).
     R: Complex
     T: Complex
     quaternion: Complex
+    #: Whether it is its own conjugate.
     real: bool
+    #: The number of paths that lead to it.
     multiplicity: int
+    #: Whether the stated constraints hold: no DLL has parallel lines at another distance, for which
+    #: its equation holds, too.
     is_pose: bool
 
 
