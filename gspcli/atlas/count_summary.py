@@ -21,60 +21,40 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ClassSummary:
-    """The generic counts of a class, or of all types.
+    """The generic counts of a class, or of all types."""
 
-    Attributes
-    ----------
-    name
-        The class, or ``all``.
-    sides
-        ``one-sided`` or ``two-sided``.
-    types
-        The number of types.
-    smallest, median, largest
-        The extremes and the median of their counts.
-    of_largest
-        A family with the largest count.
-    different
-        The number of different counts.
-    """
-
+    #: The class, or ``all``.
     name: str
+    #: ``one-sided`` or ``two-sided``.
     sides: str
+    #: The number of types.
     types: int
+    #: The extremes and the median of their counts.
     smallest: int
     median: int
     largest: int
+    #: A family with the largest count.
     of_largest: str
+    #: The number of different counts.
     different: int
 
 
 @dataclass(frozen=True)
 class BoundSummary:
-    """A bound compared with the generic counts of a class.
+    """A bound compared with the generic counts of a class."""
 
-    Attributes
-    ----------
-    bound
-        Its name, as in the columns of the catalogue.
-    name
-        The class, or ``all``.
-    types
-        The number of types to which it applies.
-    sharp
-        The number of types for which it equals the count.
-    median, largest
-        The factor by which it exceeds the count.
-    of_largest
-        A family with the largest factor.
-    """
-
+    #: Its name, as in the columns of the catalogue.
     bound: str
+    #: The class, or ``all``.
     name: str
+    #: The number of types to which it applies.
     types: int
+    #: The number of types for which it equals the count.
     sharp: int
+    #: The factor by which it exceeds the count.
     median: Fraction
     largest: Fraction
+    #: A family with the largest factor.
     of_largest: str
 
 

@@ -32,21 +32,14 @@ Points = tuple[list[Vector], list[Vector]]
 
 @dataclass(frozen=True)
 class GeometryClass:
-    """A class of geometries.
+    """A class of geometries."""
 
-    Attributes
-    ----------
-    name
-        Its name on the command line.
-    meaning
-        The special property, in a phrase.
-    points
-        The platform and the base points of six legs, drawn at random; None for classes of every
-        type.
-    """
-
+    #: Its name on the command line.
     name: str
+    #: The special property, in a phrase.
     meaning: str
+    #: The platform and the base points of six legs, drawn at random; None for classes of every
+    #: type.
     points: Callable[[Random], Points] | None = None
 
 
@@ -227,25 +220,17 @@ CLASSES: dict[str, GeometryClass] = {chosen.name: chosen for chosen in _CLASSES}
 
 @dataclass(frozen=True)
 class GeometryCount:
-    """The exact number of complex poses of random platforms of a class of geometry.
+    """The exact number of complex poses of random platforms of a class of geometry."""
 
-    Attributes
-    ----------
-    geometry, meaning
-        The class, and what is special about it.
-    count, distinct
-        The number of poses with multiplicities, and of different ones; None if infinitely many.
-    error
-        A bound of the probability that the random prime misleads; 0 if the count is proved.
-    of_type
-        Whether it was too large to count, and is the generic count, proved for the type.
-    """
-
+    #: The class, and what is special about it.
     geometry: str
     meaning: str
+    #: The number of poses with multiplicities, and of different ones; None if infinitely many.
     count: int | None
     distinct: int | None
+    #: A bound of the probability that the random prime misleads; 0 if the count is proved.
     error: float
+    #: Whether it was too large to count, and is the generic count, proved for the type.
     of_type: bool = False
 
     @property

@@ -136,20 +136,14 @@ class Motor(_Along):
     """What the drives of points have in common: a range, and readings that differ from values.
 
     The value q of a drive is an angle or a length, zero where the point is stated.
-
-    Attributes
-    ----------
-    limits
-        The least and the greatest value, in the unit of the instance, or None.
-    tolerance
-        The largest error of the value, or None.
-    offset, scale
-        The value is a reading (of a file, a table or an encoder) times ``1 + scale``, plus
-        ``offset``; None stands for zero. `limits` are values, not readings.
     """
 
+    #: The least and the greatest value, in the unit of the instance, or None.
     limits: tuple[Number, Number] | None
+    #: The largest error of the value, or None.
     tolerance: Number | None
+    #: The value is a reading (of a file, a table or an encoder) times ``1 + scale``, plus
+    #: ``offset``; None stands for zero. `limits` are values, not readings.
     offset: Number | None
     scale: Number | None
 
