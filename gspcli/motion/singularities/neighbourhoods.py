@@ -24,8 +24,9 @@ change by.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,13 +215,7 @@ class Neighbourhood:
         return first, above(np.abs(first) + second + np.where(angle, roundings(1, widths), 0.0))
 
     def _spreads(self, whole: Array, widths: Array) -> Array:
-        """Bound changes of second derivatives within each of `REACHES`, for all values.
-
-        Returns
-        -------
-        Array
-            Shape (reaches, n, 7).
-        """
+        """Bound changes of second derivatives within `REACHES`, for all values, (reaches, n, 7)."""
         del widths
         reaches = np.array(REACHES)[:, None, None]
         x = Enclosure(self.points[:, None], reaches)
@@ -256,26 +251,40 @@ class Neighbourhood:
         """
         widths = np.broadcast_to(widths, self.values.shape)
         first, whole = self._changes(widths)
-        given = _Given(first, whole, widths)
-        given.spreads = self._spreads(whole, widths)
-        given.residual = above(np.abs(self.residuals) + self.errors)
         errors = self.gradient_errors + roundings(1, size(self.jacobian))
         errors[:, 1:] += whole * self.slope_errors
-        given.gradient_errors = errors
+        residual = above(np.abs(self.residuals) + self.errors)
+        given = _Given(first, whole, widths, residual, errors, self._spreads(whole, widths))
         names = ("measure", "radius", "rest", "root", "q")
         best = {name: np.full(len(self.points), np.inf) for name in names}
-        left, scales, right = np.linalg.svd(self.inverse, full_matrices=False)
-        left, right = definite_pairs(left, scales, right)
-        for exponent in EXPONENTS:
-            # Without an inverse there is no proof in any norm.
-            weights = (scales[:, :1] / np.where(scales > 0, scales, scales[:, :1])) ** exponent
-            found = self._in_norm(Norm(left, weights, self.inverse), given, right)
+        for norm, along in self._norms:
+            found = self._in_norm(norm, along, given)
             better = found["root"] + found["q"] < best["root"] + best["q"]
             better |= found["measure"] < best["measure"]
             better &= found["measure"] <= best["measure"]
             best = {name: np.where(better, found[name], best[name]) for name in best}
         shifts = np.einsum("nik,nk->nki", self.inverse[:, :, 1:], first * self.factors)
         return Box(shifts=shifts, **best)
+
+    @cached_property
+    def _norms(self) -> list[tuple[Norm, Array]]:
+        """The norms, and bounds of second derivatives at the points in each, shape (n,)."""
+        left, scales, right = np.linalg.svd(self.inverse, full_matrices=False)
+        left, right = definite_pairs(left, scales, right)
+        norms = []
+        for exponent in EXPONENTS:
+            # Without an inverse there is no proof in any norm.
+            weights = (scales[:, :1] / np.where(scales > 0, scales, scales[:, :1])) ** exponent
+            norm = Norm(left, weights, self.inverse)
+            flat = norm.flattened(self.hessians)
+            combined = np.einsum("nrk,nkij->nrij", right, flat)
+            # Poses beyond the range of doubles have no clearance.
+            known = np.isfinite(combined).all(axis=(1, 2, 3))
+            combined[~known] = 0.0
+            bounds = spectral_norm(combined) + _BASIS * np.abs(flat).sum(axis=(1, 2, 3))[:, None]
+            along = np.linalg.norm(norm.stretched * bounds, axis=1)
+            norms.append((norm, np.where(known, along, np.inf)))
+        return norms
 
     @property
     def plain(self) -> NDArray[np.bool_]:
@@ -287,7 +296,7 @@ class Neighbourhood:
         del whole, widths
         return norm.slopes(self.factor_gradients)
 
-    def _in_norm(self, norm: Norm, given: _Given, right: Array) -> dict[str, Array]:
+    def _in_norm(self, norm: Norm, along: Array, given: _Given) -> dict[str, Array]:
         """Return the numbers of `Box` in one norm, for the best reach."""
         plain, sizes, whole = self.plain, norm.sizes, given.whole
         factors = np.abs(self.factors) + self.factor_errors
@@ -297,14 +306,7 @@ class Neighbourhood:
         q = norm.corners(np.where(plain, whole, 0.0)) * norm.slopes(self._turning[:, None])[:, 0]
         q += (sizes[:, 1:] * whole * np.where(plain, 0.0, slopes)).sum(axis=1)
         q += norm.weight * self.defect + (sizes * given.gradient_errors).sum(axis=1)
-        beta, q = above(beta), above(q)
-        flat = norm.flattened(self.hessians)
-        combined = np.einsum("nrk,nkij->nrij", right, flat)
-        # Poses beyond the range of doubles have no clearance.
-        known = np.isfinite(combined).all(axis=(1, 2, 3))
-        combined[~known], beta = 0.0, np.where(known, beta, np.inf)
-        norms = spectral_norm(combined) + _BASIS * np.abs(flat).sum(axis=(1, 2, 3))[:, None]
-        along = np.linalg.norm(norm.stretched * norms, axis=1)
+        beta, q = np.where(np.isfinite(along), above(beta), np.inf), above(q)
         found = {name: np.full(len(q), np.inf) for name in ("measure", "radius", "rest", "root")}
         beyond = (sizes[:, 1:] * (whole - np.abs(given.first)) * factors).sum(axis=1)
         beyond += (sizes * given.residual).sum(axis=1)
@@ -334,15 +336,15 @@ class Neighbourhood:
         return np.where(proved, measure, np.inf), radius
 
 
-class _Given:
+class _Given(NamedTuple):
     """What all norms use, for some widths of the values."""
 
+    first: Array
+    whole: Array
+    widths: Array
     residual: Array
     gradient_errors: Array
     spreads: Array
-
-    def __init__(self, first: Array, whole: Array, widths: Array) -> None:
-        self.first, self.whole, self.widths = first, whole, widths
 
 
 class Norm:
