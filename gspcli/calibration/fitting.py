@@ -31,7 +31,7 @@ from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import apply, rotation_from_vector, vector_from_rotation
 from gspcli.geometry.readings import values_of, without_corrections
 from gspcli.records import dataclass
-from gspcli.solver import SolveResult, solve, solve_values
+from gspcli.solver import solve, solve_values
 from gspcli.solver.poses import PoseSet
 
 Array = NDArray[np.float64]
@@ -510,9 +510,7 @@ def _modes(instance: Instance, model: Model, seen: Measurements, noise: Noise) -
     return found
 
 
-def _solved(
-    instance: Instance, model: Model, seen: Measurements
-) -> Iterator[PoseSet | SolveResult]:
+def _solved(instance: Instance, model: Model, seen: Measurements) -> Iterator[PoseSet]:
     """Yield all poses of each row for its readings, with the drives where they are."""
     units = [1.0 if kind.is_distance else model.in_radians for kind in model.kinds]
     values = values_of(instance, seen.readings / units)

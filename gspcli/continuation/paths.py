@@ -69,8 +69,7 @@ class PathAccount:
     def __post_init__(self) -> None:
         parts = (self.found, self.at_infinity, self.on_curves, self.spurious, self.lost)
         if min(parts) < 0 or sum(parts) != self.expected:
-            message = f"an account must add up, of parts that are not negative: {self}"
-            raise ValueError(message)
+            raise ValueError(f"an account must add up, of parts that are not negative: {self}")
 
     @property
     def verdict(self) -> Verdict:

@@ -37,20 +37,14 @@ class Balance(NamedTuple):
     Two similar plates with the same order of joints make the six legs of a hexapod dependent: a
     combination of the rounded quadrics is of size eps, and the poses depend on the same combination
     of the values over eps. Divided by eps this equation is like the others.
-
-    Attributes
-    ----------
-    constants
-        The multiple of N in each quadric, shape (6,).
-    combinations
-        What makes quadrics without them orthonormal, shape (6, 6).
-    directions, sizes
-        Orthonormal combinations of the quadrics, in columns, and their sizes as parts of the
-        largest, shapes (6, 6) and (6,).
     """
 
+    #: The multiple of N in each quadric, shape (6,).
     constants: FloatArray
+    #: What makes quadrics without them orthonormal, shape (6, 6).
     combinations: FloatArray
+    #: Orthonormal combinations of the quadrics, in columns, and their sizes as parts of the
+    #: largest, shapes (6, 6) and (6,).
     directions: FloatArray
     sizes: FloatArray
 
@@ -119,20 +113,14 @@ class ReducedEnds(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ReducedHomotopy:
-    """Six quadrics that are solved for some of the quantities w and h.
+    """Six quadrics that are solved for some of the quantities w and h."""
 
-    Attributes
-    ----------
-    pivots, free
-        The quantities that are eliminated, and the others.
-    forms, slopes, constants, combinations
-        Equation j is: pivot + slopes . free quantities + form in e_i e_j = N value. The value is
-        row j of the combinations times the values less the constants. Shapes (6, 10), (6, free),
-        (6,), (6, 6). The last equations have no pivot, and slopes that are small or zero.
-    """
-
+    #: The quantities that are eliminated, and the others.
     pivots: NDArray[np.int32]
     free: NDArray[np.int32]
+    #: Equation j is: pivot + slopes . free quantities + form in e_i e_j = N value. The value is row
+    #: j of the combinations times the values less the constants. Shapes (6, 10), (6, free), (6,),
+    #: (6, 6). The last equations have no pivot, and slopes that are small or zero.
     forms: FloatArray
     slopes: FloatArray
     constants: FloatArray

@@ -58,8 +58,7 @@ def _stored() -> tuple[ComplexArray, ComplexArray, dict[str, slice]]:
         slices[spaces] = slice(begin, begin + count)
         begin += count
     if begin != len(affine):
-        message = f"{FOLDER}: the manifest counts {begin} points, the file has {len(affine)}"
-        raise DataError(message)
+        raise DataError(f"{FOLDER}: the manifest counts {begin} points, the file has {len(affine)}")
     points = np.concatenate([np.ones((begin, 1), dtype=np.complex128), affine], axis=1)
     return factors, points / np.linalg.norm(points, axis=1, keepdims=True), slices
 
@@ -81,8 +80,7 @@ def _base(spaces: str) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     order = np.argsort(swapped.order)
     mirror = swapped.canonical().spaces
     if mirror not in slices:
-        message = f"no start system for the spaces {spaces!r}: at most three may be a"
-        raise ValueError(message)
+        raise ValueError(f"no start system for the spaces {spaces!r}: at most three may be a")
     g, h = generic_factors(factors, mirror)
     return swap_quadrics(g)[order], swap_quadrics(h)[order], swap_points(points[slices[mirror]])
 
@@ -116,8 +114,7 @@ def start_system(structure: Structure) -> StartSystem:
         If the stored solutions do not lead to those of the products.
     """
     if structure != structure.canonical():
-        message = "the structure must be in canonical order"
-        raise ValueError(message)
+        raise ValueError("the structure must be in canonical order")
     g, h, points = _base(structure.spaces)
     products = structure.is_product
     zero = np.zeros(EQUATIONS, dtype=np.complex128)
@@ -138,5 +135,4 @@ def start_system(structure: Structure) -> StartSystem:
         ends = track(start, sides, points, options=options)
         if (ends.status == PathStatus.REGULAR).all() and all(map(distinct, ends.points)):
             return StartSystem(system, ends.points.reshape(-1, 8))
-    message = f"the start system of {structure} could not be derived from the stored one"
-    raise DataError(message)
+    raise DataError(f"the start system of {structure} could not be derived from the stored one")

@@ -48,11 +48,9 @@ class Structure:
 
     def __post_init__(self) -> None:
         if len(self.spaces) != EQUATIONS or not set(self.spaces) <= set(LETTERS):
-            message = f"spaces must be six letters of {LETTERS!r}, not {self.spaces!r}"
-            raise ValueError(message)
+            raise ValueError(f"spaces must be six letters of {LETTERS!r}, not {self.spaces!r}")
         if len(self.products) != EQUATIONS:
-            message = f"products must be six truth values, not {len(self.products)}"
-            raise ValueError(message)
+            raise ValueError(f"products must be six truth values, not {len(self.products)}")
 
     @cached_property
     def is_product(self) -> NDArray[np.bool_]:
@@ -182,16 +180,11 @@ class System:
     """Six equations ``G_i = 0`` or ``G_i H_i = tau_i N^2`` on the Study quadric ``e.f = 0``.
 
     `System.of` checks its arguments.
-
-    Attributes
-    ----------
-    structure
-        Spaces and products.
-    coefficients
-        The numbers, no leading axes.
     """
 
+    #: Spaces and products.
     structure: Structure
+    #: The numbers, no leading axes.
     coefficients: Coefficients
 
     @classmethod
@@ -225,8 +218,7 @@ class System:
             For a wrong shape or a number that is not finite.
         """
         if any(structure.products) and (h is None or tau is None):
-            message = "a system with products needs their second factors h and values tau"
-            raise ValueError(message)
+            raise ValueError("a system with products needs their second factors h and values tau")
         products = structure.is_product
         shape = (EQUATIONS, COEFFICIENTS)
         arrays = []
@@ -237,13 +229,11 @@ class System:
         ):
             array = np.array(value, dtype=np.complex128)
             if array.shape != wanted:
-                message = f"{name} must have shape {wanted}, not {array.shape}"
-                raise ValueError(message)
+                raise ValueError(f"{name} must have shape {wanted}, not {array.shape}")
             if name != "g":
                 array[~products] = 0
             if not np.isfinite(array).all():
-                message = f"{name} has entries that are not finite"
-                raise ValueError(message)
+                raise ValueError(f"{name} has entries that are not finite")
             array.setflags(write=False)
             arrays.append(array)
         return cls(structure, Coefficients(*arrays))

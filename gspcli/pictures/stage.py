@@ -721,7 +721,7 @@ def scene_of(
     return Scene(
         title=instance.name or kind.id,
         type_id=f"{kind.id} (type {kind.number}, {kind.platform_class.id})",
-        summary=summary or f"{result.poses.account_text}.",
+        summary=summary or f"{result.account_text}.",
         length_unit=units.length,
         angle_unit=units.angle.value,
         size=staged.size,

@@ -47,8 +47,9 @@ def whole(value: Any, where: str, *, least: int) -> int:
     except TypeError:
         number = least - 1
     if number < least or isinstance(value, bool):
-        message = f"found {shortened(repr(value))}, expected a whole number of at least {least}"
-        raise ArgumentError(message, where)
+        raise ArgumentError(
+            f"found {shortened(repr(value))}, expected a whole number of at least {least}", where
+        )
     return number
 
 
@@ -135,20 +136,13 @@ class Together(NamedTuple):
 
 
 class Answers(NamedTuple):
-    """The poses for some sets of values, one after the other.
+    """The poses for some sets of values, one after the other."""
 
-    Attributes
-    ----------
-    rows
-        Their indices.
-    together
-        Those of which the first strategies have found all poses, in groups.
-    alone
-        The poses for each of the others.
-    """
-
+    #: Their indices.
     rows: range
+    #: Those of which the first strategies have found all poses, in groups.
     together: list[Together]
+    #: The poses for each of the others.
     alone: Mapping[int, PoseSet]
 
     def poses(self) -> Iterator[PoseSet]:
@@ -321,10 +315,11 @@ def solve(
     problem = Problem(instance, seed=seed, jobs=jobs, prove=prove, starts=starts)
     local_frames = problem.local_frames
     if local_frames.is_none:
-        return SolveResult(instance, problem.arrangement, _ordered(problem), seed)
-    # Far from the bodies doubles have few digits left for what is asked.
-    poses = _ordered(problem.like(local_frames.applied(instance))).taken_back(local_frames)
-    return SolveResult(instance, problem.arrangement, poses, seed)
+        poses = _ordered(problem)
+    else:
+        # Far from the bodies doubles have few digits left for what is asked.
+        poses = _ordered(problem.like(local_frames.applied(instance))).taken_back(local_frames)
+    return SolveResult(**vars(poses), instance=instance, arrangement=problem.arrangement, seed=seed)
 
 
 def _ordered(problem: Problem) -> PoseSet:

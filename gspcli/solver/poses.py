@@ -17,7 +17,7 @@ from gspcli.continuation.paths import PathAccount
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.measurement import condition_numbers, proved_residuals, residuals
-from gspcli.geometry.quaternions import quaternion_from_rotation, stable_order
+from gspcli.geometry.quaternions import stable_order
 from gspcli.records import dataclass
 
 if TYPE_CHECKING:
@@ -240,23 +240,6 @@ class PoseSet(Poses):
         """Return the set of a platform that is not solved, for some reason: all paths are lost."""
         account = PathAccount(expected=expected, lost=expected)
         return cls(**Poses.none(0), account=account, problem=problem)
-
-    @property
-    def lone(self) -> PoseSet:
-        """The real poses from which no real motion begins, as poses that are found."""
-        motions = [motion for motion in self.motions if not motion.dimension]
-        count = len(motions)
-        R = np.concatenate([np.zeros((0, 3, 3)), *(motion.R for motion in motions)])
-        T = np.concatenate([np.zeros((0, 3)), *(motion.T for motion in motions)])
-        return PoseSet(
-            quaternions=quaternion_from_rotation(R).astype(complex),
-            R=R.astype(complex),
-            T=T.astype(complex),
-            real=np.ones(count, bool),
-            certified=np.zeros(count, bool),
-            multiplicity=np.ones(count, int),
-            account=PathAccount(expected=count, found=count),
-        )
 
     def on_sides(self, choices: NDArray[np.float64]) -> PoseSet:
         """Return the poses, found in equal parts for some choices of sides, shape (k, 6)."""

@@ -21,7 +21,6 @@ from gspcli.geometry.euler import euler_from_rotation, named_order
 from gspcli.geometry.home_mode import HomeMode, home_among, home_mode
 from gspcli.geometry.instance import Instance, Side
 from gspcli.geometry.limits import LeftLimit, left_limits, restricts
-from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.measurement import (
     condition_numbers,
     known_sides,
@@ -34,7 +33,7 @@ from gspcli.geometry.measurement import (
 )
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation, vector_from_rotation
 from gspcli.records import EqualByContent, dataclass
-from gspcli.solver.poses import CountKind, PoseSet, Proof
+from gspcli.solver.poses import CountKind, PoseSet
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -146,23 +145,15 @@ ROTATIONS = ("quaternion", "matrix", "rotvec")
 
 @dataclass(frozen=True)
 class PoseColumn:
-    """A column: one entry for every pose.
+    """A column: one entry for every pose."""
 
-    Attributes
-    ----------
-    key
-        The name of the column in every format.
-    read
-        Takes the values from a result, one for each pose.
-    unit
-        Which unit of the instance the values are in.
-    of_pose
-        Whether it is a part of the pose itself, complex where the pose is not real.
-    """
-
+    #: The name of the column in every format.
     key: str
+    #: Takes the values from a result, one for each pose.
     read: Reader
+    #: Which unit of the instance the values are in.
     unit: Literal["", "length", "angle"] = ""
+    #: Whether it is a part of the pose itself, complex where the pose is not real.
     of_pose: bool = False
 
 
@@ -262,8 +253,7 @@ def rotation_columns(form: str) -> tuple[PoseColumn, ...]:
     try:
         sequence = named_order(form)
     except GspError as error:
-        message = f"{error}\nor one of {', '.join(ROTATIONS)}"
-        raise GspError(message) from error
+        raise GspError(f"{error}\nor one of {', '.join(ROTATIONS)}") from error
     return tuple(
         PoseColumn(f"r{axis}", _part(partial(_angles, sequence), k), "angle", of_pose=True)
         for k, axis in enumerate("xyz")
@@ -320,8 +310,8 @@ Array = NDArray[np.float64]
 SCHEMA = "gsp.solve/1"
 
 
-@dataclass(frozen=True, eq=False)
-class SolveResult(EqualByContent):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolveResult(PoseSet):
     """All poses of an instance.
 
     The order of the poses does not depend on how they were found (`stable_order`); the first
@@ -331,8 +321,6 @@ class SolveResult(EqualByContent):
     ----------
     instance, arrangement
         What was solved, as given and in floating point.
-    poses
-        Everything found, in this order.
     seed
         The source of random choices.
     left_out
@@ -341,61 +329,37 @@ class SolveResult(EqualByContent):
 
     instance: Instance
     arrangement: Arrangement
-    poses: PoseSet
     seed: int
     left_out: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        for part in vars(self.poses).values():
-            if isinstance(part, np.ndarray):
-                part.setflags(write=False)
+        for array in self.arrays().values():
+            array.setflags(write=False)
 
     def __repr__(self) -> str:
         name = self.instance.name or self.instance.type.id
-        return f"<SolveResult of {name}: {self.poses.account_text}>"
+        return f"<SolveResult of {name}: {self.account_text}>"
 
     def __str__(self) -> str:
-        return plain_table(self, self.poses.account_text)
-
-    @property
-    def R(self) -> Field:
-        """Rotations of the poses, shape (n, 3, 3), complex."""
-        return self.poses.R
-
-    @property
-    def T(self) -> Field:
-        """Translations of the poses, shape (n, 3), complex."""
-        return self.poses.T
-
-    @property
-    def real(self) -> NDArray[np.bool_]:
-        """Which poses are real, shape (n,)."""
-        return self.poses.real
-
-    @property
-    def quaternions(self) -> Field:
-        """Unit quaternions of the rotations, shape (n, 4), complex; see `PoseSet`."""
-        return self.poses.quaternions
-
-    @property
-    def certified(self) -> NDArray[np.bool_]:
-        """Which poses are certified, shape (n,)."""
-        return self.poses.certified
-
-    @property
-    def multiplicity(self) -> NDArray[np.int64]:
-        """How many paths end at each pose, shape (n,)."""
-        return self.poses.multiplicity
-
-    @property
-    def motions(self) -> tuple[Motion, ...]:
-        """Sets of poses that are not isolated, as far as they were found."""
-        return self.poses.motions
+        return plain_table(self, self.account_text)
 
     @property
     def lone(self) -> SolveResult:
-        """The same platform with the real poses that are isolated among the real ones only."""
-        return replace(self, poses=self.poses.lone.in_order(self.arrangement.length))
+        """The same platform with the real poses from which no real motion begins, as its poses."""
+        motions = [motion for motion in self.motions if not motion.dimension]
+        count = len(motions)
+        R = np.concatenate([np.zeros((0, 3, 3)), *(motion.R for motion in motions)])
+        T = np.concatenate([np.zeros((0, 3)), *(motion.T for motion in motions)])
+        poses = PoseSet(
+            quaternions=quaternion_from_rotation(R).astype(complex),
+            R=R.astype(complex),
+            T=T.astype(complex),
+            real=np.ones(count, bool),
+            certified=np.zeros(count, bool),
+            multiplicity=np.ones(count, int),
+            account=PathAccount(expected=count, found=count),
+        )
+        return replace(self, **vars(poses.in_order(self.arrangement.length)))
 
     @property
     def drawn(self) -> SolveResult:
@@ -412,11 +376,6 @@ class SolveResult(EqualByContent):
         return home_among(self.instance, R, T, [k for k in range(len(R)) if k not in self.left_out])
 
     @property
-    def account(self) -> PathAccount:
-        """The account of all paths."""
-        return self.poses.account
-
-    @property
     def expected(self) -> int:
         """The generic count for the sides asked for."""
         return self.account.expected
@@ -425,16 +384,6 @@ class SolveResult(EqualByContent):
     def verdict(self) -> Verdict:
         """`infinite`, `incomplete` or `complete`, as the account says."""
         return self.account.verdict
-
-    @property
-    def proof(self) -> Proof | None:
-        """What proves that there are no other poses, or infinitely many; None if nothing does."""
-        return self.poses.proof
-
-    @property
-    def exact_count(self) -> int | None:
-        """How many poses exactly this platform has, with multiplicity, if that was computed."""
-        return self.poses.exact_count
 
     @cached_property
     def geometry_count(self) -> int | None:
@@ -490,10 +439,10 @@ class SolveResult(EqualByContent):
     def sides(self) -> NDArray[np.int64]:
         """On which side of each plane: 1, -1, or 0 if that is not known, shape (n, 6)."""
         sides = known_sides(self.arrangement, self.R, self.T)
-        if self.poses.signs is None:
+        if self.signs is None:
             return sides
         proved = self.arrangement.sided & (self.arrangement.targets != 0)
-        return np.where((sides == 0) & proved, self.poses.signs, sides).astype(int)
+        return np.where((sides == 0) & proved, self.signs, sides).astype(int)
 
     @cached_property
     def solutions(self) -> tuple[Solution, ...]:

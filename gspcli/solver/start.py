@@ -79,43 +79,29 @@ class StartMethod(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Solved systems of a geometry with complex values.
+    """Solved systems of a geometry with complex values."""
 
-    Attributes
-    ----------
-    given, length
-        The geometry, and its unit of length, a power of two.
-    system
-        The first of the systems, in canonical order, balanced.
-    points
-        Its solutions that were found, shape (n, 8).
-    scale
-        The unit of f in it.
-    homotopy
-        The equations with fewer unknowns, where nothing but multiples of N moves; None elsewhere.
-    parameters
-        What these are linear in, of the first system and of members among sets of values, shape
-        (s, 6).
-    reduced
-        The solutions in their coordinates, shape (s, n, d).
-    unit
-        In which differences of each parameter are measured, shape (6,).
-    far
-        The poses to which no paths lead, for the only choice of sides; None if there are none.
-    proof
-        What as many certified poses as the start has prove.
-    """
-
+    #: The geometry, and its unit of length, a power of two.
     given: Arrangement
     length: float
+    #: The first of the systems, in canonical order, balanced.
     system: System
+    #: Its solutions that were found, shape (n, 8).
     points: ComplexArray
+    #: The unit of f in it.
     scale: Array
+    #: The equations with fewer unknowns, where nothing but multiples of N moves; None elsewhere.
     homotopy: ReducedHomotopy | None
+    #: What these are linear in, of the first system and of members among sets of values, shape (s,
+    #: 6).
     parameters: ComplexArray
+    #: The solutions in their coordinates, shape (s, n, d).
     reduced: ComplexArray
+    #: In which differences of each parameter are measured, shape (6,).
     unit: Array
+    #: The poses to which no paths lead, for the only choice of sides; None if there are none.
     far: FarPoses | None = None
+    #: What as many certified poses as the start has prove.
     proof: Proof | None = None
 
     @cached_property

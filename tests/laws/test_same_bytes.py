@@ -76,26 +76,26 @@ def said(poses: PoseSet) -> tuple[object, ...]:
 @cache
 def known(name: str) -> tuple[object, ...]:
     """Return the output for a platform of which nothing is kept."""
-    return said(solve(platform(name), starts=SolvedStarts()).poses)
+    return said(solve(platform(name), starts=SolvedStarts()))
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_whatever_came_before(name: str) -> None:
     starts, instance = SolvedStarts(), platform(name)
     for _ in range(3):
-        assert said(solve(instance, starts=starts).poses) == known(name)
+        assert said(solve(instance, starts=starts)) == known(name)
 
 
 def test_in_whatever_order() -> None:
     starts = SolvedStarts()
     for name in np.random.default_rng(1).permutation(NAMES * 2).tolist():
-        assert said(solve(platform(name), starts=starts).poses) == known(name)
+        assert said(solve(platform(name), starts=starts)) == known(name)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_whatever_the_seed_and_the_threads(name: str) -> None:
     for options in ({"seed": 1}, {"seed": 77, "jobs": 2}):
-        poses = solve(platform(name), starts=SolvedStarts(), **options).poses
+        poses = solve(platform(name), starts=SolvedStarts(), **options)
         assert said(poses) == known(name)
 
 
@@ -111,7 +111,7 @@ def test_whatever_the_processor(build: str, monkeypatch: pytest.MonkeyPatch) -> 
             _kernel, name, lambda *a, _given=given, **k: _given(*a, **{**k, "build": build})
         )
     for name in NAMES:
-        assert said(solve(platform(name), starts=SolvedStarts()).poses) == known(name)
+        assert said(solve(platform(name), starts=SolvedStarts())) == known(name)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -120,18 +120,18 @@ def test_whatever_strategy_finds_them(name: str, monkeypatch: pytest.MonkeyPatch
     instance = platform(name)
     with monkeypatch.context() as patch:
         patch.setattr(all_poses, "_first_of_one", lambda: (all_poses.careful_paths,))
-        assert said(solve(instance, starts=SolvedStarts()).poses) == known(name)
+        assert said(solve(instance, starts=SolvedStarts())) == known(name)
 
 
 @pytest.mark.parametrize("name", ["examples/dietmaier", "6PP", "2PL LP 3AHH"])
 def test_whether_the_kernel_proves_them_or_balls(name: str, monkeypatch) -> None:
     monkeypatch.setattr(Problem, "proofs", None)
-    assert said(solve(platform(name), starts=SolvedStarts()).poses) == known(name)
+    assert said(solve(platform(name), starts=SolvedStarts())) == known(name)
 
 
 def test_whether_doubles_or_more_digits_find_them(monkeypatch) -> None:
     monkeypatch.setattr(all_poses, "_first_of_one", lambda: ())
-    assert said(solve(platform("6PP"), starts=SolvedStarts()).poses) == known("6PP")
+    assert said(solve(platform("6PP"), starts=SolvedStarts())) == known("6PP")
 
 
 @pytest.mark.parametrize("name", GEOMETRIES)
@@ -141,8 +141,7 @@ def test_whether_alone_or_among_many(name: str) -> None:
     rows = own * (1 + 0.01 * np.random.default_rng(2).normal(size=(6, 6)))
     exactly = [{i: Number.of(Fraction(x)) for i, x in enumerate(row.tolist())} for row in rows]
     alone = [
-        said(solve(instance.with_values(numbers), starts=SolvedStarts()).poses)
-        for numbers in exactly
+        said(solve(instance.with_values(numbers), starts=SolvedStarts())) for numbers in exactly
     ]
     for chosen, options in ((slice(None), {"jobs": 2}), (slice(None), {"seed": 5}), ([2, 4], {})):
         starts = SolvedStarts()
@@ -183,9 +182,9 @@ def far(instance: Instance) -> Instance:
 def test_in_frames_far_away(name: str) -> None:
     """There the nano-hexapod is not quite symmetric: entries of 1e-17 that are not zero."""
     instance = far(platform(name))
-    expected, starts = said(solve(instance, starts=SolvedStarts()).poses), SolvedStarts()
+    expected, starts = said(solve(instance, starts=SolvedStarts())), SolvedStarts()
     for seed, jobs in ((3, 1), (5, 2), (5, 1)):
-        assert said(solve(instance, seed=seed, jobs=jobs, starts=starts).poses) == expected
+        assert said(solve(instance, seed=seed, jobs=jobs, starts=starts)) == expected
 
 
 @pytest.mark.parametrize("name", ["platforms/nano-hexapod", "6PP", "2PL LP 3AHH"])
@@ -226,9 +225,9 @@ def test_whether_far_poses_are_kept(name: str, spread: float) -> None:
         other = instance.with_values(
             {i: Number.of(Fraction(x)) for i, x in enumerate(row.tolist())}
         )
-        kept = solve(other, starts=starts).poses
+        kept = solve(other, starts=starts)
         assert said(kept) == said(batch[k].in_order(length))
-        assert said(kept) == said(solve(other, starts=SolvedStarts()).poses)
+        assert said(kept) == said(solve(other, starts=SolvedStarts()))
         assert kept.proof is not None
 
 
@@ -248,7 +247,7 @@ def test_rows_of_a_batch_are_as_precise_as_one_alone() -> None:
         assert (errors < 1e-14 * arrangement.length * sizes).all()
     for k in range(0, 200, 25):
         numbers = {i: Number.of(Fraction(x)) for i, x in enumerate(rows[k].tolist())}
-        alone = solve(instance.with_values(numbers), starts=SolvedStarts()).poses
+        alone = solve(instance.with_values(numbers), starts=SolvedStarts())
         assert in_any_order(batch.R[k], batch.T[k]) == in_any_order(alone.R, alone.T)
 
 
@@ -269,9 +268,9 @@ def test_each_double_is_the_correct_rounding(name: str) -> None:
     signs = sides_of(result.arrangement, R, T).tolist()
     for k, sides in zip(chosen.tolist(), map(locator.sides, signs), strict=True):
         found = locator.near(result.R[k] + 0j, result.T[k] + 0j, sides, 512)
-        assert found.R.tobytes() == (result.poses.R[k] + 0j).tobytes()
-        assert found.T.tobytes() == (result.poses.T[k] + 0j).tobytes()
-        assert found.quaternion.tobytes() == (result.poses.quaternions[k] + 0j).tobytes()
+        assert found.R.tobytes() == (result.R[k] + 0j).tobytes()
+        assert found.T.tobytes() == (result.T[k] + 0j).tobytes()
+        assert found.quaternion.tobytes() == (result.quaternions[k] + 0j).tobytes()
 
 
 @pytest.mark.parametrize("name", ["examples/dietmaier", "5PP PL", "DPH DHP DLL ALL ALH AHH"])

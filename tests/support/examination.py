@@ -20,7 +20,7 @@ from scipy.spatial import KDTree
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.measurement import residuals
 from gspcli.geometry.quaternions import Field
-from gspcli.solver import PoseSet, SolveResult
+from gspcli.solver import PoseSet
 
 #: Poses nearer than this, in the chart of `_charted`, count as the same.
 SEPARATION = 1e-9
@@ -62,9 +62,7 @@ class Finding:
         return cls(**{**entry, "problems": tuple(entry["problems"])})
 
 
-def examine(
-    arrangement: Arrangement, poses: PoseSet | SolveResult, expected: int, hidden: Pose
-) -> Finding:
+def examine(arrangement: Arrangement, poses: PoseSet, expected: int, hidden: Pose) -> Finding:
     """Return what is found of the answer to a generic platform with a known real pose."""
     R, T, real = poses.R, poses.T, poses.real
     charted = _charted(arrangement, R, T)

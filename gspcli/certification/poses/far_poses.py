@@ -305,17 +305,11 @@ Array = NDArray[np.float64]
 
 
 class Values(NamedTuple):
-    """Values of equations, lengths in a unit.
+    """Values of equations, lengths in a unit."""
 
-    Attributes
-    ----------
-    exact
-        Rational numbers for each set of values, (b, 6).
-    gaps
-        How much they err, shape (b, 6).
-    """
-
+    #: Rational numbers for each set of values, (b, 6).
     exact: list[list[fmpq]]
+    #: How much they err, shape (b, 6).
     gaps: Array
 
     @classmethod
@@ -358,20 +352,13 @@ class Values(NamedTuple):
 
 
 class Shifts(NamedTuple):
-    """Differences from the values of a platform, times a matrix.
+    """Differences from the values of a platform, times a matrix."""
 
-    Attributes
-    ----------
-    matrix
-        The matrix, whose numbers are meant exactly, shape (6, 6).
-    own
-        The values of the platform.
-    unit
-        Their unit of length.
-    """
-
+    #: The matrix, whose numbers are meant exactly, shape (6, 6).
     matrix: Array
+    #: The values of the platform.
     own: Values
+    #: Their unit of length.
     unit: float
 
     def of(self, proofs: ValueProofs, choice: Array, rows: Array | None, given: Array) -> Array:
@@ -424,45 +411,31 @@ _NEAR = 1e5
 
 @dataclass(frozen=True, eq=False)
 class FarPoses:
-    """Poses of a platform far away, from which the poses for other values are proved.
+    """Poses of a platform far away, from which the poses for other values are proved."""
 
-    Attributes
-    ----------
-    numbers
-        The numbers of each pose for the kernel (native/far_poses.hpp), as two doubles each, shape
-        (2, n, 794), and 37 more for each product.
-    errors
-        Bounds of their errors, shape (n,).
-    real
-        Of which poses these numbers are real, shape (n,). With a pose that is not real its
-        conjugate is meant, too, unless it needs paths: two conjugates may lead to two real poses
-        from complex values, and are both there.
-    values
-        The values in the form of the kernel (`ValueProofs.values`), shape (6, 6).
-    powers
-        The power of a length that each value is in its equation, shape (6,).
-    scale
-        The unit of length.
-    origin
-        Complex values, as differences from `values`, from which paths lead to other values, (6,).
-    starts
-        The local coordinates there of the last k poses, which need paths, shape (k, 7).
-    products
-        Bit r is 1 where equation r is a product.
-    shifts
-        Differences of values are multiplied by the matrix of these: equations that are nearly
-        dependent are combined. None if they are not.
-    """
-
+    #: The numbers of each pose for the kernel (native/far_poses.hpp), as two doubles each, shape
+    #: (2, n, 794), and 37 more for each product.
     numbers: Complex
+    #: Bounds of their errors, shape (n,).
     errors: Array
+    #: Of which poses these numbers are real, shape (n,). With a pose that is not real its conjugate
+    #: is meant, too, unless it needs paths: two conjugates may lead to two real poses from complex
+    #: values, and are both there.
     real: NDArray[np.uint8]
+    #: The values in the form of the kernel (`ValueProofs.values`), shape (6, 6).
     values: Array
+    #: The power of a length that each value is in its equation, shape (6,).
     powers: NDArray[np.int64]
+    #: The unit of length.
     scale: float
+    #: Complex values, as differences from `values`, from which paths lead to other values, (6,).
     origin: Complex
+    #: The local coordinates there of the last k poses, which need paths, shape (k, 7).
     starts: Complex
+    #: Bit r is 1 where equation r is a product.
     products: int
+    #: Differences of values are multiplied by the matrix of these: equations that are nearly
+    #: dependent are combined. None if they are not.
     shifts: Shifts | None
 
     @classmethod
@@ -694,22 +667,15 @@ def _origin(powers: NDArray[np.int64], length: float) -> Complex:
 
 
 class _Made(NamedTuple):
-    """How local coordinates are made.
+    """How local coordinates are made."""
 
-    Attributes
-    ----------
-    locator, sides, products
-        As for `FarPoses`.
-    origin
-        Complex values in general position.
-    balance
-        As for `FarPoses`.
-    """
-
+    #: locator, sides, products: As for `FarPoses`.
     locator: Locator
     sides: tuple[int, ...]
+    #: Complex values in general position.
     origin: Complex
     products: int
+    #: As for `FarPoses`.
     balance: Array | None
 
     @property

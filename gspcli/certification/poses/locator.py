@@ -53,23 +53,15 @@ _NULL = 2.0**-900
 
 @dataclass(frozen=True)
 class Located:
-    """A pose that is proved to be a simple solution, and real or not.
+    """A pose that is proved to be a simple solution, and real or not."""
 
-    Attributes
-    ----------
-    isolation
-        The proof.
-    pose
-        Balls of the pose, translations in units of `scale`.
-    scale
-        The length scale of the instance.
-    real
-        Whether it is real.
-    """
-
+    #: The proof.
     isolation: Isolation
+    #: Balls of the pose, translations in units of `scale`.
     pose: PoseBall
+    #: The length scale of the instance.
     scale: float
+    #: Whether it is real.
     real: bool
 
     @property

@@ -133,7 +133,7 @@ def _judged_row(instance: Instance, row: Row, poses: PoseSet, together: Answer) 
     ]
     given = instance.with_values(dict(enumerate(numbers)))
     single = solve(given, seed=SEED)
-    answers = [_answer(poses), _answer(single.poses), together]
+    answers = [_answer(poses), _answer(single), together]
     exact = row.exact or _counted(given)
     said = "; ".join(f"{a.verdict} {a.found}/{a.multiple}, {a.real} real" for a in answers)
     if exact is not None:

@@ -165,7 +165,7 @@ def test_a_second_prime_confirms_a_count() -> None:
 def test_a_second_prime_that_counts_otherwise_is_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
     platform = load(EXAMPLES / "congruent-platform.yaml")
     problem = Problem(platform, prove=True)
-    poses = solve(platform).poses
+    poses = solve(platform)
     count = count_geometry(platform)
     fewer = replace(count, solutions=count.solutions - 8)
     monkeypatch.setattr(by_count, "geometry_count", lambda *_, **__: fewer)

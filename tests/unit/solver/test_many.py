@@ -236,7 +236,7 @@ def test_values_next_to_a_double_pose_give_the_poses_that_they_give_alone():
     values = lengths * (1 + np.array([0.0, 0.01, 0.02, 0.0, 0.03]))[:, None]
     for poses, row in zip(_quickly(instance, values), values, strict=True):
         exactly = {i: Number.of(Fraction(x)) for i, x in enumerate(row.tolist())}
-        alone = solve(instance.with_values(exactly), starts=SolvedStarts()).poses
+        alone = solve(instance.with_values(exactly), starts=SolvedStarts())
         assert poses is None or pose_set_distance((poses.R, poses.T), (alone.R, alone.T), 1.0) == 0
 
 
@@ -420,7 +420,7 @@ def test_a_set_of_another_size_does_not_disturb_the_others(factor):
     # Paths from the common start lead to all others.
     assert set(batch.others) <= {4, 7}
     single = solve(given(instance, mixed[4]))
-    assert single.poses.proof is not None
+    assert single.proof is not None
     n, length = batch.number[4], single.arrangement.length
     assert batch.real[4].sum() == single.counts.real
     size = max(1.0, np.abs(single.R).max())
@@ -507,7 +507,7 @@ def test_poses_accounts_and_proofs_are_those_of_many_sets_of_values(type_text, m
     for given in islice(random_instances(type_text, 5), 4):
         values = np.array([row.value.value for row in given.constraints])
         instance = given.with_values(exactly(values))
-        one = solve(instance).poses
+        one = solve(instance)
         (many,) = solve_values(instance, values[None])
         many = many.in_order(Arrangement.of(instance).length)
         assert (one.account, one.proof) == (many.account, many.proof)

@@ -101,7 +101,7 @@ def test_distance_of_parallel_lines(apart: int, poses: int) -> None:
     """Its equation holds at any distance; what is stated does not."""
     text = SHAFT.format(unit="deg", angle=0, direction=1, gap=3)
     other = loads(text.replace("[E, hole], value: 0", f"[shaft, hole], value: {apart}"))
-    found = isolated_real_poses(other, lambda platform: solve(platform).poses)
+    found = isolated_real_poses(other, lambda platform: solve(platform))
     assert found is not None
     assert len(found) == poses
 

@@ -262,7 +262,7 @@ def test_a_line_that_coincides_with_another():
     )
     # Curves of complex solutions, with real poses on them that cannot move.
     assert result.verdict == "infinite"
-    real = result.poses.lone.T
+    real = result.lone.T
     assert len(real) > 0
     np.testing.assert_allclose(real, np.tile([0, 0, 2], (len(real), 1)), atol=1e-9)
 
@@ -713,7 +713,7 @@ def test_a_free_rotation_is_a_motion(name, surfaces):
     result = solved(*SURFACES[surfaces], *free_angles(name))
     assert result.verdict == "infinite"
     # That there are infinitely many is proved by the count: of so special a set paths may be lost.
-    assert result.poses.proof is not None
+    assert result.proof is not None
     assert result.account.lost < 8
     motion = result.motions[0]
     assert motion.real

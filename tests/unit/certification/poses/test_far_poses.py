@@ -63,7 +63,7 @@ INSTANCES = {
 def known(request):
     """Return an instance and its far poses."""
     instance, starts = INSTANCES[request.param](), SolvedStarts()
-    poses = solve(instance, starts=starts).poses
+    poses = solve(instance, starts=starts)
     far = poses[np.abs(poses.R).max(axis=(1, 2)) > 64]
     problem = Problem(instance, starts=starts)
     points = starts.platform(problem.arrangement).points
@@ -176,7 +176,7 @@ def test_values_out_of_reach_are_left_to_others(known):
 
 def test_a_pose_without_its_conjugate_is_no_start():
     instance = INSTANCES["hexagons"]()
-    poses = solve(instance, starts=SolvedStarts()).poses
+    poses = solve(instance, starts=SolvedStarts())
     far = poses[np.abs(poses.R).max(axis=(1, 2)) > 64]
     problem = Problem(instance, starts=SolvedStarts())
     equations = problem.locator, problem.proofs, problem.choices[0], problem.sides[0]

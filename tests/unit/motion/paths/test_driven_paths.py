@@ -21,7 +21,7 @@ SIX = ("t-top-head", "reachy-mini-head", "hexaglide", "modified-paradex")
 
 def home_of(instance):
     solved = gspcli.solve(instance)
-    one = solved.home or solved.poses[int(np.flatnonzero(solved.real)[0])]
+    one = solved.home or solved.solutions[int(np.flatnonzero(solved.real)[0])]
     return one.R.real, one.T.real
 
 

@@ -23,7 +23,7 @@ NAMES = [
 def ways_and_home(name, sequence):
     instance = gspcli.example(name)
     solved = gspcli.solve(instance)
-    home = solved.home or solved.poses[int(np.flatnonzero(solved.real)[0])]
+    home = solved.home or solved.solutions[int(np.flatnonzero(solved.real)[0])]
     R, T = home.R.real, home.T.real
     signs = Machine.of(instance).at_home(R, T).signs
     return PoseWays(instance, pivot=PIVOT, sequence=sequence, working_modes=signs), R, T
