@@ -172,6 +172,10 @@ class FollowedElimination:
         self._start = [0]
         self._position = {0: 0}
         self._known: dict[int, Vector] = {}
+        #: Of the step that is followed: its degree, its columns, and their number with those of the
+        #: normal monomials, the least of which are last.
+        self._degree, self._width = 0, 0
+        self._column_of: dict[int, int] = {}
         #: The reduced rows of each step.
         self._reduced: list[Callable[[int], Polynomial]] = []
         self._generators = self._first_generators(equations, trace)
@@ -264,42 +268,30 @@ class FollowedElimination:
             {m + unit for m in self.normal[self._start[step.degree - 1] :] for unit in self._units}
         )
         top = len(columns)
-        column_of = {monomial: c for c, monomial in enumerate(columns)}
-        width = top + below
-        rows = [self._row(source, step.degree, column_of, width) for source in step.sources]
-        others = sorted(set(range(width)) - set(step.pivots))
+        self._degree, self._width = step.degree, top + below
+        self._column_of = {monomial: c for c, monomial in enumerate(columns)}
+        rows = [self._row(source) for source in step.sources]
+        others = sorted(set(range(self._width)) - set(step.pivots))
         solved = solved_rows(rows, step.pivots, others)
         self._reduced.append(
             _reduced_rows([*columns, *reversed(self.normal)], step, others, solved)
         )
-        if any(pivot >= top for pivot in step.pivots):
-            for row, pivot in enumerate(step.pivots):
-                if pivot >= top:
-                    self._add_fall(pivot, others, solved[row], width, top)
+        falls = [row for row, pivot in enumerate(step.pivots) if pivot >= top]
+        if falls:
+            self._generators += map(self._reduced[-1], falls)
             return
         self._start.append(below)
         for column in reversed(others):
             if column < top:
                 self._position[columns[column]] = self.dimension
                 self.normal.append(columns[column])
-        positions = [self._position[columns[c]] if c < top else width - 1 - c for c in others]
+        positions = [self._position[columns[c]] if c < top else self._width - 1 - c for c in others]
         for row, pivot in enumerate(step.pivots):
             self._known[columns[pivot]] = {
                 position: -value
                 for position, value in zip(positions, solved[row], strict=True)
                 if not value.is_zero()
             }
-
-    def _add_fall(
-        self, pivot: int, others: Sequence[int], row: Sequence[arb], width: int, top: int
-    ) -> None:
-        leading = self.normal[width - 1 - pivot]
-        polynomial = {leading: ONE}
-        for column, value in zip(others, row, strict=True):
-            # Entries before the pivot are exactly zero.
-            if column > pivot and column >= top:
-                polynomial[self.normal[width - 1 - column]] = value
-        self._generators.append(polynomial)
 
     def _forget_from(self, degree: int) -> None:
         if len(self._start) <= degree:
@@ -309,64 +301,45 @@ class FollowedElimination:
         self._position = {monomial: k for k, monomial in enumerate(self.normal)}
         self._known = {m: v for m, v in self._known.items() if _degree(m) < degree}
 
-    def _row(
-        self, source: Sequence[int], degree: int, column_of: dict[int, int], width: int
-    ) -> Vector:
+    def _row(self, source: Sequence[int]) -> Vector:
         row: Vector = {}
         if len(source) == 1 or source[0] < 0:
             number, *rest = source
             polynomial = self._reduced[rest[0]](rest[1]) if rest else self._generators[number]
             for monomial, value in polynomial.items():
-                self._add_term(row, monomial, value, degree, column_of, width)
+                self._add_term(row, monomial, value)
             return row
         i, j, *exponents = source
         monomial = sum(e << (_BITS * k) for k, e in enumerate(exponents))
         for first, second, sign in ((i, j, ONE), (j, i, -ONE)):
             vector = self._vector(monomial + self._units[first])
-            self._add_multiplied(row, vector, second, sign, degree, column_of, width)
+            self._add_multiplied(row, vector, second, sign)
         return row
 
-    def _add_term(
-        self,
-        row: Vector,
-        monomial: int,
-        value: arb,
-        degree: int,
-        column_of: dict[int, int],
-        width: int,
-    ) -> None:
+    def _add_term(self, row: Vector, monomial: int, value: arb) -> None:
         """Add a multiple of a monomial to a row."""
         if monomial == 0:
-            add(row, width - 1, value)
-        elif monomial in column_of:
-            add(row, column_of[monomial], value)
-        elif _degree(monomial) <= degree:  # otherwise it is exactly zero
+            add(row, self._width - 1, value)
+        elif monomial in self._column_of:
+            add(row, self._column_of[monomial], value)
+        elif _degree(monomial) <= self._degree:  # otherwise it is exactly zero
             i = self._divisor(monomial)
             rest = self._normal_form(monomial - self._units[i])
-            self._add_multiplied(row, rest, i, value, degree, column_of, width)
+            self._add_multiplied(row, rest, i, value)
 
-    def _add_multiplied(
-        self,
-        row: Vector,
-        vector: Vector,
-        i: int,
-        factor: arb,
-        degree: int,
-        column_of: dict[int, int],
-        width: int,
-    ) -> None:
+    def _add_multiplied(self, row: Vector, vector: Vector, i: int, factor: arb) -> None:
         """Add a multiple of a variable times a vector to a row."""
-        last = self._start[degree - 1]
+        last = self._start[self._degree - 1]
         unit = self._units[i]
         for position, value in vector.items():
             monomial, product = self.normal[position] + unit, value * factor
             if position >= last:
-                add(row, column_of[monomial], product)
+                add(row, self._column_of[monomial], product)
             elif monomial in self._position:
-                add(row, width - 1 - self._position[monomial], product)
+                add(row, self._width - 1 - self._position[monomial], product)
             else:
                 for at, x in self._known[monomial].items():
-                    add(row, width - 1 - at, product * x)
+                    add(row, self._width - 1 - at, product * x)
 
     def _vector(self, monomial: int) -> Vector:
         position = self._position.get(monomial)
