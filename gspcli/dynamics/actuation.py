@@ -5,8 +5,6 @@ Values are those of `gsp measure`: a distance of two lines is not negative.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -170,15 +168,15 @@ class Actuation:
                 "platform cannot move so",
             )
 
-    @cached_property
-    def second(self) -> Array:
-        """Second derivatives of what constraints ask of drives, by a twist, shape (n, 6, 6, 6).
+    def bend(self, forces: Array) -> Array:
+        """Return second derivatives by a twist of what constraints ask of drives, (n, 6, 6).
 
-        From their quadratic forms at sums of two unit twists.
+        Those of all constraints are multiplied by forces, shape (n, 6), and added. From quadratic
+        forms at sums of two unit twists.
         """
         R, T, q = (part[:, None] for part in (self.R, self.T, self.q))
         form = self.model.machine.at(R, T, q).rates(PAIRS, np.zeros(6))[1]
-        return polarized(np.moveaxis(form, -1, 1))
+        return polarized((form @ forces[..., None])[..., 0])
 
     def conditions(self) -> tuple[Flags, Array]:
         """Return which poses are singular, shape (n,), and the condition number where it matters.

@@ -170,7 +170,7 @@ def _modes(model: MassModel, R: Array, T: Array, q: Array, stiffness: Array) -> 
     # The rates of the drives by the twist: of those that several rods share the first one's.
     J = acting.pulls[:, model.machine.first]
     K = np.einsum("nki,k,nkj->nij", J, stiffness, J)
-    K = K - np.einsum("nk,nkij->nij", held, acting.second) + _weight_stiffness(acting)
+    K = K - acting.bend(held) + _weight_stiffness(acting)
     M = mass + np.einsum("nki,k,nkj->nij", J, model.rotors, J)
     basis: Array = np.eye(6)
     if model.machine.count < len(basis):

@@ -234,10 +234,16 @@ class _System:
 
 def _across(kind: Kind, r: Field, w: Field, v: Field, arm: Field) -> tuple[Field, Field]:
     """Return the vector that is zero where a DPP, DPL or DLP distance is, and its derivatives."""
-    form = polynomial(kind)
-    gradient, hessian = form.gradient(r, w, v), form.hessian(r, w, v)
-    r_moves, w_moves = velocities(arm, w)
-    return gradient.r / 2, (hessian.rr @ r_moves + hessian.rw @ w_moves) / 2
+    across = polynomial(kind).gradient(r, w, v).r / 2
+    slopes, turning = velocities(arm, w)
+    if kind is DPP:
+        return across, slopes
+    line = v if kind is DPL else w
+    along = line @ slopes
+    if kind is DLP:
+        along = along + r @ turning
+        slopes = slopes - (r @ line) * turning
+    return across, slopes - np.outer(line, along)
 
 
 def _moved(R: Field, T: Field, twist: Field) -> tuple[Field, Field]:

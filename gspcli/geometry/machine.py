@@ -886,14 +886,17 @@ class MachineAtPoses:
         """
         machine, slip = self.machine, None
         with np.errstate(all="ignore"):
-            first = apply(self.jacobian, twist) / self.gains
-            if machine.driven.any():
+            first = apply(self.jacobian, twist)
+            if machine.moves:
+                first = first / self.gains
                 moved = self.ways * first[..., None]
                 bent = self.bends * first[..., None] ** 2
                 turning = 2 * cross(twist[..., None, :3], moved)
                 slip = moved, bent + np.where(machine.on_platform[:, None], turning, 0.0)
             second = self._signs * curvature(self.arrangement, self.R, self.T, twist, slip)
-            return first, (apply(self.jacobian, change) + second) / self.gains
+            if change.any():
+                second = second + apply(self.jacobian, change)
+            return first, second / self.gains if machine.moves else second
 
 
 def _agreeing(shares: Array, outside: NDArray[np.bool_]) -> Array:

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from gspcli.catalogue.kinds import DHP, DLL, DLP, DPH, DPL, DPP, Kind, Law, Primitive
 from gspcli.geometry.arrangement import Arrangement, Bodies, Placed
 from gspcli.geometry.enclosures import roundings
-from gspcli.geometry.quaternions import Field, apply, cross, cross_matrix, dot
+from gspcli.geometry.quaternions import Field, apply, cross, dot
 from gspcli.geometry.tolerances import NEARLY_PARALLEL_SINE_SQUARE, PARALLEL_SINE
 
 _IDENTITY = np.eye(3)
@@ -41,21 +41,14 @@ class Gradient(NamedTuple):
     v: Field
 
 
-class Hessian(NamedTuple):
-    """Second derivatives by r and w, each of shape (..., 3, 3); v belongs to the base."""
-
-    rr: Field
-    rw: Field
-    ww: Field
-
-
 class ConstraintPolynomial(NamedTuple):
     """A polynomial p in (r, w, v), all of shape (..., 3)."""
 
     value: Callable[[Field, Field, Field], Field]
     """Shape (...)."""
     gradient: Callable[[Field, Field, Field], Gradient]
-    hessian: Callable[[Field, Field, Field], Hessian]
+    bend: Callable[[Field, Field, Field, Field, Field], Field]
+    """The second derivative where r and w move along the last two, shape (...)."""
 
 
 def polynomial(kind: Kind) -> ConstraintPolynomial:
@@ -79,13 +72,8 @@ def perpendicular(r: Field, axis: Field) -> Field:
     return across
 
 
-def _outer(a: Field, b: Field) -> Field:
-    product: Field = a[..., :, None] * b[..., None, :]
-    return product
-
-
-def _zeros(r: Field) -> Field:
-    return np.zeros((*r.shape, 3), r.dtype)
+def _straight(r: Field, w: Field, v: Field, a: Field, b: Field) -> Field:
+    return np.zeros(a.shape[:-1], a.dtype)
 
 
 def _point_point() -> ConstraintPolynomial:
@@ -93,7 +81,7 @@ def _point_point() -> ConstraintPolynomial:
     return ConstraintPolynomial(
         lambda r, w, v: dot(r, r),
         lambda r, w, v: Gradient(2 * r, np.zeros_like(r), np.zeros_like(r)),
-        lambda r, w, v: Hessian(2 * _IDENTITY + _zeros(r), _zeros(r), _zeros(r)),
+        lambda r, w, v, a, b: 2 * dot(a, a),
     )
 
 
@@ -108,10 +96,9 @@ def _point_line() -> ConstraintPolynomial:
         by_v = -2 * dot(r, v)[..., None] * r
         return Gradient(2 * perpendicular(r, v), np.zeros_like(r), by_v)
 
-    def hessian(r: Field, w: Field, v: Field) -> Hessian:
-        return Hessian(2 * (_IDENTITY - _outer(v, v)), _zeros(r), _zeros(r))
-
-    return ConstraintPolynomial(value, gradient, hessian)
+    return ConstraintPolynomial(
+        value, gradient, lambda r, w, v, a, b: 2 * (dot(a, a) - dot(a, v) ** 2)
+    )
 
 
 def _line_point() -> ConstraintPolynomial:
@@ -125,23 +112,18 @@ def _line_point() -> ConstraintPolynomial:
         by_w = -2 * dot(r, w)[..., None] * r
         return Gradient(2 * perpendicular(r, w), by_w, np.zeros_like(r))
 
-    def hessian(r: Field, w: Field, v: Field) -> Hessian:
-        along = dot(r, w)[..., None, None]
-        return Hessian(
-            2 * (_IDENTITY - _outer(w, w)),
-            -2 * (_outer(w, r) + along * _IDENTITY),
-            -2 * _outer(r, r),
-        )
+    def bend(r: Field, w: Field, v: Field, a: Field, b: Field) -> Field:
+        along, turned = dot(a, w), dot(r, b)
+        bent: Field = dot(a, a) - (along + turned) ** 2 - 2 * dot(r, w) * dot(a, b)
+        return 2 * bent
 
-    return ConstraintPolynomial(value, gradient, hessian)
+    return ConstraintPolynomial(value, gradient, bend)
 
 
 def _point_plane() -> ConstraintPolynomial:
     """``r . v``."""
     return ConstraintPolynomial(
-        lambda r, w, v: dot(r, v),
-        lambda r, w, v: Gradient(v, np.zeros_like(r), r),
-        lambda r, w, v: Hessian(_zeros(r), _zeros(r), _zeros(r)),
+        lambda r, w, v: dot(r, v), lambda r, w, v: Gradient(v, np.zeros_like(r), r), _straight
     )
 
 
@@ -150,7 +132,7 @@ def _plane_point() -> ConstraintPolynomial:
     return ConstraintPolynomial(
         lambda r, w, v: -dot(r, w),
         lambda r, w, v: Gradient(-w, -r, np.zeros_like(r)),
-        lambda r, w, v: Hessian(_zeros(r), -_IDENTITY + _zeros(r), _zeros(r)),
+        lambda r, w, v, a, b: -2 * dot(a, b),
     )
 
 
@@ -159,16 +141,14 @@ def _line_line() -> ConstraintPolynomial:
     return ConstraintPolynomial(
         lambda r, w, v: dot(r, cross(w, v)),
         lambda r, w, v: Gradient(cross(w, v), cross(v, r), cross(r, w)),
-        lambda r, w, v: Hessian(_zeros(r), -cross_matrix(v) + _zeros(r), _zeros(r)),
+        lambda r, w, v, a, b: -2 * dot(a, cross(v, b)),
     )
 
 
 def _directions() -> ConstraintPolynomial:
     """``w . v``."""
     return ConstraintPolynomial(
-        lambda r, w, v: dot(w, v),
-        lambda r, w, v: Gradient(np.zeros_like(w), v, w),
-        lambda r, w, v: Hessian(_zeros(r), _zeros(r), _zeros(r)),
+        lambda r, w, v: dot(w, v), lambda r, w, v: Gradient(np.zeros_like(w), v, w), _straight
     )
 
 
@@ -432,13 +412,11 @@ def _along(
 ) -> tuple[Field, Field]:
     """Return two derivatives of the polynomial of a kind, or of the cosine, where r and w move."""
     form = COSINE if kind is None else polynomial(kind)
-    (a, b), (p, q) = moves, bends
-    first, second = form.gradient(*vectors), form.hessian(*vectors)
-    change, bent = dot(first.r, a), dot(first.r, p) + dot(a, apply(second.rr, a))
+    (r, w, v), (a, b), (p, q) = vectors, moves, bends
+    first = form.gradient(r, w, v)
+    change, bent = dot(first.r, a), dot(first.r, p) + form.bend(r, w, v, a, b)
     if kind is None or kind.platform is not Primitive.POINT:
-        change = change + dot(first.w, b)
-        bent = bent + 2 * dot(a, apply(second.rw, b)) + dot(b, apply(second.ww, b))
-        bent = bent + dot(first.w, q)
+        change, bent = change + dot(first.w, b), bent + dot(first.w, q)
     return change, bent
 
 

@@ -186,8 +186,8 @@ def test_rates_of_readings_are_scaled():
         given, constraints=tuple(replace(row, scale=Number.of("0.25")) for row in given.constraints)
     )
     R, T, rates = np.eye(3)[None], np.zeros((1, 3)), np.arange(6.0)[None]
-    one = motion_of_values(scaled, R, T, rates, 2 * rates)
-    other = motion_of_values(given, R, T, 1.25 * rates, 2.5 * rates)
+    one = motion_of_values(scaled, R, T, (rates, 2 * rates))
+    other = motion_of_values(given, R, T, (1.25 * rates, 2.5 * rates))
     assert np.abs(one.twists - other.twists).max() < 1e-12
     assert np.abs(one.accelerations - other.accelerations).max() < 1e-9
     assert np.abs(other.twists).max() > 1
