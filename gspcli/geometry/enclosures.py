@@ -69,32 +69,27 @@ def operator_norm(matrices: Array) -> Array:
 
 
 class Enclosure:
-    """Vectors with d components.
-
-    Attributes
-    ----------
-    mid
-        The middles, shape (..., d).
-    rad
-        Bounds of the distances from ``mid + lin . u``, shape (...); several for each vector may be
-        on axes before.
-    lin
-        The linear parts, shape (..., d, m).
-    cube
-        Whether u is in the cube, else in the unit ball.
-    """
+    """Vectors with d components."""
 
     __slots__ = ("cube", "lin", "mid", "rad")
+    #: The middles, shape (..., d).
+    mid: Array
+    #: Bounds of the distances from ``mid + lin . u``, shape (...); several for each vector may be
+    #: on axes before.
+    rad: Array
+    #: The linear parts, shape (..., d, m).
+    lin: Array
+    #: Whether u is in the cube, else in the unit ball.
+    cube: bool
 
     def __init__(
         self, mid: ArrayLike, rad: ArrayLike = 0.0, lin: Array | None = None, *, cube: bool = True
     ) -> None:
-        self.mid: Array = np.asarray(mid, float)
-        self.lin: Array = np.zeros((*self.mid.shape, 0)) if lin is None else lin
+        self.mid = np.asarray(mid, float)
+        self.lin = np.zeros((*self.mid.shape, 0)) if lin is None else lin
         bound = np.asarray(rad, float)
         shape = np.broadcast_shapes(bound.shape, self.mid.shape[:-1])
-        self.rad: Array = np.broadcast_to(bound, shape)
-        self.cube = cube
+        self.rad, self.cube = np.broadcast_to(bound, shape), cube
 
     @classmethod
     def rounded(cls, mid: ArrayLike, scale: ArrayLike = 0.0) -> Enclosure:
@@ -327,19 +322,13 @@ def spectral_norm(matrices: Array) -> Array:
 
 
 class Matrix:
-    """Symmetric matrices within radii of middles, in the spectral norm.
-
-    Attributes
-    ----------
-    mid
-        The middles, shape (..., d, d).
-    rad
-        The radii, shape (...).
-    top
-        Bounds of the norms of the middles, shape (...).
-    """
+    """Symmetric matrices within radii of middles, in the spectral norm."""
 
     __slots__ = ("mid", "rad", "top")
+    #: The middles, shape (..., d, d), their radii, and bounds of their norms, shapes (...).
+    mid: Array
+    rad: Array
+    top: Array
 
     def __init__(self, mid: Array, rad: Array, top: Array) -> None:
         self.mid, self.rad, self.top = mid, rad, top
@@ -385,19 +374,15 @@ class Matrix:
 
 
 class Jet:
-    """Functions of vectors x with their derivatives, enclosed for all x of a set.
-
-    Attributes
-    ----------
-    value
-        Numbers, shape (..., 1).
-    gradient
-        First derivatives, shape (..., d).
-    bend
-        Second derivatives, shape (..., d, d).
-    """
+    """Functions of vectors x with their derivatives, enclosed for all x of a set."""
 
     __slots__ = ("bend", "gradient", "value")
+    #: Numbers, shape (..., 1).
+    value: Enclosure
+    #: First derivatives, shape (..., d).
+    gradient: Enclosure
+    #: Second derivatives, shape (..., d, d).
+    bend: Matrix
 
     def __init__(self, value: Enclosure, gradient: Enclosure, bend: Matrix) -> None:
         self.value, self.gradient, self.bend = value, gradient, bend

@@ -323,25 +323,6 @@ class ModularPlatform:
     ------
     NotCountedError
         If the numbers have no homomorphism to a prime field that is known to be one.
-
-    Attributes
-    ----------
-    exact
-        The constraints with exact numbers.
-    requirements
-        The conditions on primes.
-    choices
-        Choices of sides: for each constraint 1 or -1.
-    bits
-        Bits of the prime.
-    blocks
-        The coordinates that suit the constraints.
-    prime
-        The prime.
-    rows
-        The constraints modulo the prime.
-    randomness
-        The source of further random numbers.
     """
 
     def __init__(
@@ -354,7 +335,9 @@ class ModularPlatform:
         bits: int = LARGE,
     ) -> None:
         try:
+            #: The constraints with exact numbers.
             self.exact = exact_constraints(instance, values_free=values_free)
+            #: The conditions on primes.
             self.requirements = Requirements(x for row in self.exact for x in row.numbers)
         except NoElementError as error:
             raise NotCountedError(
@@ -362,9 +345,13 @@ class ModularPlatform:
             ) from None
         text = f"{seed} {index} {bits} {values_free} {_identity(instance)}"
         self.bits = bits
+        #: Choices of sides: for each constraint 1 or -1.
         self.choices = tuple(itertools.product(*(row.sides for row in self.exact)))
+        #: The coordinates that suit the constraints.
         self.blocks = choose(self.kinds)
+        #: The source of further random numbers.
         self.randomness = Randomness(f"{text} forms")
+        #: The prime, and the constraints modulo it.
         self.prime, self.rows = self._images(homomorphisms(self.requirements, text, bits))
         if values_free:
             self.rows = [
