@@ -94,7 +94,8 @@ def _measured(
     if name == "condition":
         from gspcli.geometry.measurement import condition_numbers, printed_conditions
 
-        return printed_conditions(condition_numbers(machine.placed(R, T), R, T))
+        placed = machine.placed(R, T) if q is None else machine.arrangement(q)
+        return printed_conditions(condition_numbers(placed, R, T))
     if name == "clearance":
         from gspcli.motion.singularities.clearances import clearances
 
@@ -149,19 +150,23 @@ def settled(
     T: Array,
     places: Sequence[Mapping[str, Any]],
     known: Mapping[str, Array | QuantityParts] | None = None,
+    drives: Array | None = None,
 ) -> tuple[Result, list[RequirementVerdict]]:
     """Return a result with what is required of it and the verdicts, and these.
 
     The result has a row for each of n poses R, T of its instance; `place_text` says what each place
-    is. Known numbers are those that the command has already computed and shows.
+    is. Known numbers are those that the command has already computed and shows. The readings of
+    drives, shape (n, m), are those that the poses ask for if they are None.
     """
     if not requirements:
         return result, []
+    from gspcli.geometry.machine import Machine
     from gspcli.motion.files.requirements import judge
 
     assert result.instance is not None
     known = known or {}
-    found = measured_quantities(result.instance, requirements, R, T, known)
+    q = None if drives is None else Machine.of(result.instance).from_readings(drives)
+    found = measured_quantities(result.instance, requirements, R, T, known, q)
     verdicts = judge(requirements, found)
     more = {name: numbers for name, numbers in found.items() if name not in known}
     return judged(result, verdicts, more, places), verdicts

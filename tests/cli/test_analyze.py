@@ -274,3 +274,14 @@ def test_drives_of_a_pose_and_of_many(gsp, tmp_path):
     assert all(pose["drives"] == [0] * 6 for pose in json.loads(run.out)["poses"])
     run = gsp("analyze", HEXAPOD, "--pose", "0,0,1.5,1,0,0,0", "--require", "transmission>=0.1")
     assert run.code == 2
+
+
+def test_drives_are_judged_where_they_are_stated(gsp, tmp_path):
+    """Some modes have other working modes than home: their drives are where SPEC has them, too."""
+    path = tmp_path / "head.yaml"
+    gsp("example", "t-top-head", "-o", path)
+    text = path.read_text(encoding="utf-8").replace("crank: {", "crank: {range: [-30, 30], ")
+    path.write_text(text, encoding="utf-8")
+    run = gsp("analyze", path, "--require", "range<=0.001", "--format", "json")
+    assert run.code == 0
+    assert [one["range"] for one in json.loads(run.out)["poses"]] == [0.0] * 16

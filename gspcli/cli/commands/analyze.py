@@ -112,7 +112,9 @@ def command(o: Options) -> None:
     brief = not detailed and o.output.format != "json"
     result = overview(analysis, asked, analysis.to_json(asked.places, brief=brief))
     known = analysis.quantities() if requirements else None
-    result, verdicts = settled(result, requirements, given.R, given.T, asked.places, known)
+    result, verdicts = settled(
+        result, requirements, given.R, given.T, asked.places, known, asked.drives
+    )
     if detailed:
         result = replace(result, parts=details(result.rows[0], analysis))
     emit(o.output, result)

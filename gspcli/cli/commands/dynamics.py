@@ -92,7 +92,9 @@ def command(o: Options) -> None:
     requirements = required(o.require)
     asked = _asked(o)
     found, result, known = _modes(o, asked) if o.modal else _forces(o, asked)
-    result, verdicts = settled(result, requirements, asked.R, asked.T, asked.places, known)
+    result, verdicts = settled(
+        result, requirements, asked.R, asked.T, asked.places, known, asked.drives
+    )
     emit(o.output, result)
     _warn(found, asked)
     if not any(one.worst == one.worst for one in verdicts if not one.met):
