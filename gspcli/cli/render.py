@@ -241,13 +241,11 @@ def _drawn(grid: Grid) -> Iterator[str]:
 def _joined(grid: Grid, cells: Sequence[Sequence[str]]) -> Iterator[str]:
     """Yield the lines of cells that stand beside each other."""
     for line in zip_longest(*cells, fillvalue=""):
-        parts = map(_flushed, line, grid.columns, grid.widths)
+        parts = []
+        for text, column, width in zip(line, grid.columns, grid.widths, strict=True):
+            blanks = " " * (width - cell_width(text))
+            parts.append(blanks + text if column.align == "right" else text + blanks)
         yield (" " * GAP).join(parts).rstrip()
-
-
-def _flushed(text: str, column: Field, width: int) -> str:
-    blanks = " " * (width - cell_width(text))
-    return blanks + text if column.align == "right" else text + blanks
 
 
 def _records(table: Result, width: int) -> Iterator[str]:
@@ -315,7 +313,11 @@ def emit(
     results = [tables] if isinstance(tables, Result) else list(tables)
     tables = [table for result in results for table in result.tables]
     if output.part is not None:
-        tables = [*_of_part(tables, output.part)]
+        parts = [table.part for table in tables if table.part]
+        tables = [table for table in tables if table.part == output.part]
+        if not tables:
+            there = f"there is no such table in this answer, which has {listed(parts, 'and')}"
+            raise GspError(f"--part {output.part}: {there}")
     if texts and output.format in texts:
         write(output, texts[output.format])
     elif output.format == "json":
@@ -335,15 +337,6 @@ def emit(
             write(output, text_of_tables(tables))
 
 
-def _of_part(tables: Sequence[Result], part: str) -> Sequence[Result]:
-    """Return the tables of a part."""
-    found = [table for table in tables if table.part == part]
-    if not found:
-        there = listed([table.part for table in tables if table.part], "and")
-        raise GspError(f"--part {part}: there is no such table in this answer, which has {there}")
-    return found
-
-
 def _emit_csv(output: Output, tables: Sequence[Result]) -> None:
     """Write one table, or each of several to a file of its own."""
     if len(tables) > 1 and output.path is None:
@@ -355,18 +348,17 @@ def _emit_csv(output: Output, tables: Sequence[Result]) -> None:
 
     places = [output]
     if len(tables) > 1 and output.path is not None:
-        places = [output.beside(_named(output.path, table.part)) for table in tables]
+        # poses.csv and digits give poses-digits.csv.
+        stem, suffix = output.path.stem, output.path.suffix
+        places = [
+            output.beside(output.path.with_name(f"{stem}-{table.part}{suffix}")) for table in tables
+        ]
     for table, place in zip(tables, places, strict=True):
         if len(tables) > 1:
             say(f"{place.path}: written")
         write(place, csv_text(table))
         for line in table.summary:
             say(line)
-
-
-def _named(path: Path, part: str) -> Path:
-    """Return the file of a part: poses.csv and digits give poses-digits.csv."""
-    return path.with_name(f"{path.stem}-{part}{path.suffix}")
 
 
 def write(output: Output, content: str | bytes) -> None:

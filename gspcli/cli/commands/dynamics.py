@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -198,7 +198,9 @@ def _forces(o: Options, asked: AskedPoses) -> tuple[DriveForces, Result, Quantit
         place = place_text(asked.places[worst.row])
         notes.append(f"worst: {worst.force:.6g} {unit} by {name} {place}")
     kinds = (row.kind.name for row in found.instance.constraints)
-    sizes = _sizes(found.forces, found.units)
+    # Of each drive the largest force of those in the same unit.
+    alike = [[unit == other for other in found.units] for unit in found.units]
+    sizes = [_size(found.forces[:, those]) for those in alike]
     columns += [
         FIELDS[f"F{k + 1}"].but(
             title=f"F{k + 1} {kind} [{unit}]", source=f"forces.{k}", size=size,
@@ -272,8 +274,3 @@ def _refuse_singular(found: DriveForces | NaturalModes, asked: AskedPoses) -> No
 def _size(numbers: Array) -> float:
     """Return the largest modulus of numbers that are known, or zero."""
     return float(np.nan_to_num(np.abs(numbers)).max(initial=0.0))
-
-
-def _sizes(numbers: Array, units: Sequence[str]) -> list[float]:
-    """Return for each column, shape (n, k), the largest modulus of those of the same unit."""
-    return [_size(numbers[:, [unit == other for other in units]]) for unit in units]

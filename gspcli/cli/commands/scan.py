@@ -25,7 +25,6 @@ from gspcli.wording import counted, shown
 
 if TYPE_CHECKING:
     from gspcli.geometry.frames import PoseFrame
-    from gspcli.geometry.instance import Instance
     from gspcli.motion.singularities.scans import Boundary, Meeting, Scan, ScanResult, Varied
     from gspcli.workers import Workers
 
@@ -244,7 +243,8 @@ def scan_table(result: ScanResult, form: str, frame: PoseFrame) -> Result:
             f"{len(limits.crossings)} singular poses on edges of the grid"
         ]
     else:
-        columns = [column.but(title=_heading(instance, column.key)) for column in columns]
+        kinds = {str(k): f"{k} {row.kind.name}" for k, row in enumerate(instance.constraints, 1)}
+        columns = [column.but(title=kinds.get(column.key, column.key)) for column in columns]
         modes = numbers["modes"]
         tally = zip(*np.unique(modes[modes >= 0], return_counts=True), strict=True)
         shown = ", ".join(f"{number} at {count}" for number, count in tally)
@@ -288,10 +288,6 @@ def _expressed(
         left = {key: value for key, value in row.items() if key not in _OWN}
         found.append(left | dict(zip((*_EXPRESSED, *_TURN), pose, strict=True)))
     return found
-
-
-def _heading(instance: Instance, name: str) -> str:
-    return f"{name} {instance.constraints[int(name) - 1].kind.name}" if name.isdecimal() else name
 
 
 def _meeting(names: list[str], one: Meeting, frame: PoseFrame) -> str:

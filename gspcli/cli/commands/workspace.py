@@ -161,9 +161,12 @@ def command(o: options.Options) -> None:
             say(f"home, moved as asked, leaves its limits ({left[0]}): all parts are counted")
     coarse = (o.listed or o.output.format in options.DRAWINGS) and len(free) >= 3
     wanted = o.gap or (_COARSE if coarse else _TOLERANCE)
+    given = partial(pose_options.span_of, names=PARAMETERS, example="60:140", several=False)
+    spans = [given("within", text) for text in o.intervals]
+    within = {name: (low, high) for name, low, high, _ in spans}
     with _interruptible() as interrupted:
         found = workspace(
-            moving, home.R, home.T, free=free, within=dict(map(_interval, o.intervals)),
+            moving, home.R, home.T, free=free, within=within,
             connected=only, tolerance=wanted, most_boxes=o.most_boxes, jobs=o.jobs,
             stop=interrupted, progress=partial(progress, lines=True), **asked,
         )  # fmt: skip
@@ -210,11 +213,6 @@ def _free(o: options.Options) -> tuple[str, ...] | None:
     if o.orientation is not None:
         return PARAMETERS[:3]
     return PARAMETERS[3:] if o.position is not None else None
-
-
-def _interval(text: str) -> tuple[str, tuple[float, float]]:
-    name, low, high, _ = pose_options.span_of("within", text, PARAMETERS, "60:140", several=False)
-    return name, (low, high)
 
 
 def _own_pose(row: dict[str, Any], frame: PoseFrame) -> dict[str, list[float]]:
