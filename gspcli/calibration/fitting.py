@@ -374,19 +374,23 @@ def started(instance: Instance, model: Model, seen: Measurements, noise: Noise) 
     if seen.drives is not None:
         read &= np.isfinite(seen.drives).all(axis=1)
     R, T = seen.rotations.copy(), seen.positions - apply(seen.rotations, seen.pivot)
-    if not model.with_frames:
-        rest = ~seen.whole & read
-        if rest.any():
-            some = seen.taken(rest)
-            R[rest], T[rest] = _agreeing(model, some, _modes(instance, model, some, noise), noise)
-        return FitStart(model, *_with_less(instance, model, seen, R, T, noise, ~seen.whole & ~read))
-    if not read.any():
+    known, start, home = seen.whole & (not model.with_frames), model, ""
+    if model.with_frames and not read.any():
         raise GspError("no row has all six readings: with unknown frames some rows must have them")
-    some = seen.taken(read)
-    first, home = _from_home(instance, model, some, _modes(instance, model, some, noise), noise)
-    R[read], T[read] = first.R, first.T
-    R, T = _with_less(instance, first.model, seen, R, T, noise, ~read)
-    return FitStart(replace(first.model, free=model.free), R, T, home)
+    rest = read & ~known
+    if rest.any():
+        some = seen.taken(rest)
+        modes = _modes(instance, model, some, noise)
+        if model.with_frames:
+            first, home = _from_home(instance, model, some, modes, noise)
+            R[rest], T[rest], start = first.R, first.T, first.model
+        else:
+            # The poses that agree best with what was measured.
+            same = (some.taken(np.full(len(R), k)) for k, (R, _) in enumerate(modes))
+            rows = (there.rows(model, *at, noise) for there, at in zip(same, modes, strict=True))
+            R[rest], T[rest] = _least(modes, list(map(_costs, rows)))
+    R, T = _with_less(instance, start, seen, R, T, noise, ~known & ~read)
+    return FitStart(replace(start, free=model.free), R, T, home)
 
 
 def _from_home(
@@ -526,17 +530,6 @@ def _solved(instance: Instance, model: Model, seen: Measurements) -> Iterator[Po
     for numbers, row in zip(q, values.tolist(), strict=True):
         there = _both_sides(drives.instance_at(numbers))
         yield solve(there.with_values(dict(enumerate(map(Number.of, row)))))
-
-
-def _agreeing(
-    model: Model, seen: Measurements, modes: list[Poses], noise: Noise
-) -> tuple[Array, Array]:
-    """Return for each row the pose that agrees best with what was measured."""
-    apart = [
-        _costs(seen.taken(np.full(len(R), k)).rows(model, R, T, noise))
-        for k, (R, T) in enumerate(modes)
-    ]
-    return _least(modes, apart)
 
 
 def _nearest(model: Model, modes: list[Poses], home_R: Array, home_T: Array) -> tuple[Array, Array]:
