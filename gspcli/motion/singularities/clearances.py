@@ -30,6 +30,7 @@ from gspcli.geometry.coordinates import BODIES, coordinates
 from gspcli.geometry.instance import Instance
 from gspcli.geometry.machine import Machine, value_machine
 from gspcli.geometry.measurement import condition_numbers
+from gspcli.motion.bisection import bisected
 from gspcli.motion.following.branch_follower import (
     FollowOptions,
     MovingGeometry,
@@ -173,15 +174,9 @@ def _estimate(near: Neighbourhood, widths: Array) -> Array:
 
 
 def _largest(good: Callable[[Array], Any], most: Array, halvings: int) -> Array:
-    """Return sizes for which something is proved, nearly the largest, found by halving, (n,)."""
-    low, high, size = np.zeros_like(most), most, most
-    for _ in range(halvings):
-        proved = good(size)
-        low, high = np.where(proved, size, low), np.where(proved, high, size)
-        if (high <= low * _CLOSE).all():
-            break
-        size = (low + high) / 2
-    return low
+    """Return sizes for which something is proved, nearly the largest, (n,)."""
+    low = np.where(good(most), most, 0.0)
+    return bisected(good, low, most, halvings - 1, close=_CLOSE)[0]
 
 
 def each_clearance(
@@ -341,19 +336,20 @@ class _ValueLines(_Lines):
         platform, numbers = MovingPlatform(apart(self.machine.instance)), self.machine.units
         centre, step = (platform.internal(part / numbers) for part in (self.start, self.ways))
         pose = np.repeat(platform.points(self.R[None], self.T[None]), len(step), axis=0)
-        low, high = found.lower, found.upper
-        for _ in range(_REFINEMENTS):
-            size = (low + high) / 2
+
+        def proved(sizes: Array) -> NDArray[np.bool_]:
+            size = float(sizes[0])
             middles = centre + size / 2 * step
             ends = np.stack((np.broadcast_to(centre, step.shape), middles), axis=1)
             followed = platform.follow(ends, np.arange(len(step)), pose)
-            proved = bool((followed.stop == Stop.END).all())
-            if proved:
-                near = Neighbourhood(platform, followed.points[:, -1], middles)
-                box = near.box(near.widths(size / 2 * units) * (1 + 1e-12))
-                proved = bool((box.measure < 1).all())
-            low, high = (size, high) if proved else (low, size)
-        return low
+            if not (followed.stop == Stop.END).all():
+                return np.zeros(1, bool)
+            near = Neighbourhood(platform, followed.points[:, -1], middles)
+            box = near.box(near.widths(size / 2 * units) * (1 + 1e-12))
+            return np.array([(box.measure < 1).all()])
+
+        low, high = np.array([found.lower]), np.array([found.upper])
+        return float(bisected(proved, low, high, _REFINEMENTS)[0][0])
 
 
 class _MachineLines(_Lines):

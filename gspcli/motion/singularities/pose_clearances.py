@@ -39,6 +39,7 @@ from gspcli.geometry.quaternions import (
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
+from gspcli.motion.bisection import bisected
 from gspcli.motion.screws import screw
 from gspcli.records import dataclass
 from gspcli.ties import ascending, definite_pairs, definite_vectors
@@ -374,16 +375,14 @@ def _balls(home: Displacements) -> Array:
     """Return radii of balls about the homes that one test proves to be free, (n,)."""
     screws = Screws(home)
     middle = np.zeros((len(home.T), 6))
-    low, high = np.zeros(len(middle)), np.full(len(middle), home.farthest)
-    for _ in range(_HALVINGS):
-        # Clearances can have any order of magnitude; it is found first.
-        size = np.where(low > 0, (low + high) / 2, high / 4)
+
+    def free(size: Array) -> NDArray[np.bool_]:
         half = np.broadcast_to(size[:, None], middle.shape)
-        good = screws.judge(middle, half, cube=False).sign != 0
-        low, high = np.where(good, size, low), np.where(good, high, size)
-        if (high <= low * _CLOSE).all():
-            break
-    return low * (1 - _MOVED)
+        return np.asarray(screws.judge(middle, half, cube=False).sign != 0)
+
+    low, high = np.zeros(len(middle)), np.full(len(middle), home.farthest)
+    # Clearances can have any order of magnitude; it is found first.
+    return bisected(free, low, high, _HALVINGS, close=_CLOSE, first=0.25)[0] * (1 - _MOVED)
 
 
 def pose_clearance(
@@ -502,10 +501,7 @@ def _first(home: Displacements, directions: Array, most: Array, halvings: int) -
     beyond = differs(nodes)
     k, each = beyond.argmax(axis=1), np.arange(len(beyond))
     high, low = nodes[each, k], np.where(k > 0, nodes[each, k - 1], 0.0)
-    for _ in range(halvings):
-        middle = (low + high) / 2
-        there = differs(middle)
-        low, high = np.where(there, low, middle), np.where(there, middle, high)
+    high = bisected(lambda middle: ~differs(middle), low, high, halvings)[1]
     return np.where(beyond.any(axis=1), high, np.inf)
 
 

@@ -24,6 +24,7 @@ from gspcli.geometry.measurement import condition_numbers, jacobian, printed_con
 from gspcli.geometry.numbers import Number
 from gspcli.geometry.quaternions import Field, quaternion_from_rotation
 from gspcli.geometry.readings import factors, offsets, without_corrections
+from gspcli.motion.bisection import bisected
 from gspcli.motion.files.pose_files import PoseFormat, pose_columns, poses_of
 from gspcli.motion.files.value_files import nominal_values
 from gspcli.motion.following.branch_follower import (
@@ -464,10 +465,12 @@ class VariedPoses(Varied):
         a = np.array([nodes[node] for _, node in edges])
         b = np.array([nodes[_ahead(edge)] for edge in edges])
         before = np.sign(self.determinants(a))
-        for _ in range(_HALVINGS):
-            middle = (a + b) / 2
-            same = np.sign(self.determinants(middle)) == before
-            a, b = np.where(same[:, None], middle, a), np.where(same[:, None], b, middle)
+
+        def same(part: Array) -> NDArray[np.bool_]:
+            return np.asarray(np.sign(self.determinants(a + part[:, None] * (b - a))) == before)
+
+        parts = bisected(same, np.zeros(len(a)), np.ones(len(a)), _HALVINGS)
+        a, b = (a + part[:, None] * (b - a) for part in parts)
         # Where a machine with cranks or slides does not reach, the sign is not known.
         known = np.isfinite(self.determinants(a)) & np.isfinite(self.determinants(b))
         return {edges[k]: (a[k] + b[k]) / 2 for k in np.flatnonzero(known).tolist()}
