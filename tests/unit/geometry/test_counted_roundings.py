@@ -7,13 +7,16 @@ gone through: it errs by at most so many times u = 2^-53 of that sum, to first o
 from __future__ import annotations
 
 import math
+import re
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+import gspcli
 from gspcli.geometry.enclosures import ROUND, roundings
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.quaternions import apply, dot, rotation_from_quaternion
@@ -193,6 +196,49 @@ def sums_of_products() -> tuple[float, float]:
     return total.error, ROUND * total.size
 
 
+def points_of_norm_one() -> tuple[float, float]:
+    """Of curves (`branches.curves`): a Study point of doubles over its norm."""
+    z = counted(0.5, 0, (8,))
+    return length_of(z / np.sqrt(dot(z, z))), roundings(1, 1)
+
+
+def products_with_inverses() -> tuple[float, float]:
+    """Of eight terms (`singularities.neighbourhoods`), with numbers that are rounded."""
+    total = dot(counted(0.3, 1, (8,)), counted(0.3, 1, (8,)))
+    return total.error, roundings(1, total.size)
+
+
+#: The counts in the package, in their order in each file. One that changes needs another case here.
+COUNTS = {
+    "certification/branches/curves.py": [1],
+    "certification/equations/skew_lines.py": [8, 8],
+    "certification/poses/isolation.py": [1],
+    # No proof: where a height may have either sign.
+    "geometry/measurement.py": [8],
+    "motion/collisions/compared.py": [16, 16],
+    "motion/following/follower.py": [16],
+    "motion/paths/between.py": [16, 16, 16, 16],
+    # The first is of LAPACK, the last of coefficients that err by 2^-50 of their moduli.
+    "motion/singularities/neighbourhoods.py": [4, 1, 1, 1, 1, 8],
+    "motion/singularities/pose_clearances.py": [2],
+    "motion/statics/accuracy.py": [4, 1],
+    # No proof: products that may be zero.
+    "motion/statics/wrenches.py": [28],
+    "motion/workspace/pose_boxes.py": [4],
+    # As in `skew_lines`.
+    "pictures/live_numbers.py": [8],
+}
+
+
+def test_the_counts_of_the_package_are_those_of_the_cases() -> None:
+    root = Path(gspcli.__file__).parent
+    found = {}
+    for path in sorted(root.rglob("*.py")):
+        if counts := re.findall(r"\broundings\((\d+)", path.read_text("utf-8")):
+            found[path.relative_to(root).as_posix()] = list(map(int, counts))
+    assert found == COUNTS
+
+
 @pytest.mark.parametrize(
     "case",
     [
@@ -209,6 +255,8 @@ def sums_of_products() -> tuple[float, float]:
         second_derivatives_of_a_point,
         products_with_factors,
         sums_of_products,
+        points_of_norm_one,
+        products_with_inverses,
     ],
 )
 def test_no_formula_has_more_roundings_than_its_bound_allows(case: Any) -> None:
