@@ -115,7 +115,7 @@ class Machine:
     #: The values of constraints with a crank or a slide, which stay the same, signed on a chosen
     #: side of a plane; NaN for others.
     rods: Array
-    #: The working modes that `inverse` takes, shape (6,); None for those of the stated home.
+    #: The working modes that `inverse` takes, (6,) or (n, 6) of n poses; None for those of home.
     signs: NDArray[np.int64] | None = None
 
     @classmethod

@@ -175,8 +175,6 @@ def test_rows(gsp, tmp_path):
     found = [(one["row"], one["t"], one["mode"]) for one in json.loads(run.out)["modes"]]
     assert found == [(1, 1.0, 1), (2, 2.0, 1)]
     path.write_text("crank.B1\n0.01\n0.02\n", encoding="utf-8")
-    run = gsp("clearance", "@t-top-head", path)
-    assert "another working mode than at home, expected that of home (--mode home)" in run.err
     run = gsp("clearance", "@t-top-head", path, "--mode", "home", "--format", "csv")
     followed = tmp_path / "track.csv"
     gsp("track", "@t-top-head", path, "--mode", "home", "--format", "csv", "-o", followed)
@@ -187,3 +185,16 @@ def test_rows(gsp, tmp_path):
     )
     assert len(one) == 12
     assert one == pytest.approx(other, abs=1e-6)
+
+
+def test_mirrored_modes_have_the_same_clearance(gsp):
+    """Two modes mirror each other in the base, and one of them has other working modes than home.
+
+    The drives are at zero in both; the numbers of home's working modes are elsewhere in one.
+    """
+    run = gsp("clearance", "@t-top-head", "--all-modes", "--format", "json")
+    lower = [entry["lower"] for entry in json.loads(run.out)["modes"]]
+    for k in (0, 14):
+        assert lower[k] == pytest.approx(lower[k + 1], rel=1e-3)
+    assert lower[0] > 2
+    assert lower[14] > 4

@@ -9,7 +9,6 @@ import click
 from gspcli.cli.options import HOME, Command, Options, exclusive, option, output_options
 from gspcli.cli.pose_options import AskedPoses, asked_poses, rows_options
 from gspcli.cli.render import emit
-from gspcli.cli.requirements import place_text
 from gspcli.cli.result import Fields, Result
 from gspcli.cli.streams import progress
 from gspcli.errors import GspError
@@ -18,8 +17,6 @@ if TYPE_CHECKING:
     from gspcli.motion.singularities.clearances import Clearances
 
 FIELDS = Fields("clearance")
-#: Points of drives are at the same place up to this part of the size.
-_SAME = 1e-6
 
 
 @click.command(cls=Command)
@@ -84,33 +81,12 @@ def command(o: Options) -> None:
 
     points = None if o.points is None else _points(o.points)
     asked = asked_poses(o)
-    _refuse_other_working_modes(o, asked)
     found = clearance(
-        o.instance, asked.R, asked.T, of=o.of, points=points, refine=o.refine, progress=progress
-    )
+        o.instance, asked.R, asked.T, of=o.of, points=points, refine=o.refine,
+        drives=asked.drives, progress=progress,
+    )  # fmt: skip
     emit(o.output, _result(found, asked))
     asked.check()
-
-
-def _refuse_other_working_modes(o: Options, asked: AskedPoses) -> None:
-    """Raise if drives of a row are not those of which clearances are: in the modes of home."""
-    if o.rows is None or asked.drives is None:
-        return
-    import numpy as np
-
-    from gspcli.motion.poses.inverse_kinematics import drive_values
-
-    machine, q = drive_values(o.instance, asked.R, asked.T, along=False)
-    given = machine.from_readings(asked.drives)
-    away = np.abs(machine.points(q) - machine.points(given)).max(axis=(1, 2))
-    far = ~(away <= _SAME * machine.stated_arrangement.length)
-    # Rows of values alone leave cranks and slides where SPEC states them.
-    moving = (given[:, machine.moved] != 0).any(axis=1)
-    for k in np.flatnonzero(far & moving)[:1].tolist():
-        raise GspError(
-            f"{place_text(asked.places[k])}: the drives reach the pose in another working mode "
-            "than at home, expected that of home (--mode home)"
-        )
 
 
 def _points(text: str) -> list[list[float]]:

@@ -42,7 +42,7 @@ from gspcli.motion.following.branch_follower import (
 )
 from gspcli.motion.following.follower import FollowedMode, RowFollower
 from gspcli.motion.following.tracks import Run
-from gspcli.motion.poses.inverse_kinematics import checked_poses, drive_values
+from gspcli.motion.poses.inverse_kinematics import checked_poses
 from gspcli.motion.singularities.neighbourhoods import Neighbourhood, neighbourhoods
 from gspcli.motion.singularities.pose_clearances import Clearance, pose_clearance
 from gspcli.progress import Progress, silent
@@ -71,6 +71,8 @@ _EQUAL = 1e-6
 _PARTS, _SHARP = 16, 1e-9
 #: From poses of a line of drives this part of it before its end the end is extrapolated.
 _BEFORE = 1e-4
+#: Points of drives are at the same place up to this part of the size.
+_SAME = 1e-6
 #: The quantities that may change.
 KINDS = ("values", "drives", "pose")
 
@@ -517,6 +519,7 @@ def clearance(
     of: str | None = None,
     points: ArrayLike | None = None,
     refine: bool = False,
+    drives: ArrayLike | None = None,
     progress: Progress = silent,
 ) -> Clearances:
     """Bound the change of values, drives or the pose before the pose meets a singularity.
@@ -536,6 +539,9 @@ def clearance(
         (m, 3); by default those of the distances.
     refine
         Whether to look for better bounds: a few seconds a pose; not of drives.
+    drives
+        The readings of the m drives of a machine with cranks or slides at the poses, shape (n, m).
+        By default those that reach the poses in the working modes of home.
     progress
         Receives the number of each pose.
 
@@ -546,7 +552,10 @@ def clearance(
     """
     R, T = checked_poses(R, T)
     R, T = R.reshape(-1, 3, 3), T.reshape(-1, 3)
-    driven = Machine.of(instance).moves
+    machine = Machine.of(instance)
+    driven = machine.moves
+    if drives is not None and driven:
+        machine = _in_modes_of(machine, R, T, machine.from_readings(drives))
     of = of or KINDS[int(driven)]
     if of not in KINDS:
         message = f"found {of!r}, expected {' or '.join(KINDS)}"
@@ -561,10 +570,10 @@ def clearance(
         )
         raise ArgumentError(message, "of")
     if of == "drives" or (of == "values" and not driven):
-        each = each_clearance(Machine.of(instance), R, T, refine=refine, progress=progress)
+        each = each_clearance(machine, R, T, refine=refine, progress=progress)
         return Clearances(instance, of, tuple(each))
     if of == "values":
-        drives, q = drive_values(instance, R, T, along=False)
+        q = _numbers(machine, R, T)
         unreached = np.isnan(q).any(axis=1)
         if unreached.any():
             message = f"the drives do not reach pose {int(unreached.argmax()) + 1}"
@@ -575,9 +584,19 @@ def clearance(
             found.append(pose_clearance(instance, R[k], T[k], points=points, refine=refine))
         else:
             # Cranks and slides stay where the pose has them.
-            still, one = Machine.of(drives.instance_at(q[k])), slice(k, k + 1)
+            still, one = Machine.of(machine.instance_at(q[k])), slice(k, k + 1)
             found += each_clearance(still, R[one], T[one], refine=refine)
     return Clearances(instance, of, tuple(found))
+
+
+def _in_modes_of(machine: Machine, R: Array, T: Array, q: Array) -> Machine:
+    """Return the machine in the working modes in which its drives at q reach each of n poses."""
+    signs = np.where(machine.driven & (machine.gains(R, T, q) < 0), -1, 1)
+    away = machine.points(machine.inverse(R, T, signs)) - machine.points(q)
+    near = np.abs(away[:, machine.driven]) <= _SAME * machine.stated_arrangement.length
+    for k in np.flatnonzero(~near.all(axis=(1, 2)))[:1].tolist():
+        raise ArgumentError(f"the rods have other lengths with drives so at pose {k + 1}", "drives")
+    return replace(machine, signs=signs)
 
 
 def _finite(number: float) -> float | None:
