@@ -5,6 +5,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <initializer_list>
 #include <memory>
@@ -23,6 +24,13 @@ nb::ndarray<nb::numpy, T> owned(std::unique_ptr<T[]> data,
   T* raw = data.release();
   nb::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<T*>(p); });
   return nb::ndarray<nb::numpy, T>(raw, shape, owner);
+}
+
+template <class T>
+nb::ndarray<nb::numpy, T> copied(const T* from, std::size_t count) {
+  auto data = std::make_unique<T[]>(count);
+  std::copy(from, from + count, data.get());
+  return owned(std::move(data), {count});
 }
 
 inline void require(bool condition, const char* message) {

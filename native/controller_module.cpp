@@ -11,12 +11,6 @@ using namespace nb::literals;
 using Bytes = Array<unsigned char, 1>;
 using Doubles = Array<double, 1>;
 
-nb::ndarray<nb::numpy, double> copied(const double* from, std::size_t count) {
-  auto data = std::make_unique<double[]>(count);
-  std::copy(from, from + count, data.get());
-  return owned(std::move(data), {count});
-}
-
 void make(Controller* self, const Bytes& kind, const Bytes& either, const Doubles& numbers) {
   require(kind.shape(0) == 6 && either.shape(0) == 6, "kind and either must have shape (6,)");
   require(numbers.shape(0) == Controller::kNumbers, "numbers has a wrong length");

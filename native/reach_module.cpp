@@ -10,11 +10,11 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <thread>
 #include <tuple>
 #include <vector>
 
 #include "drives.hpp"
+#include "threads.hpp"
 
 using namespace nanobind::literals;
 
@@ -118,9 +118,7 @@ struct Judged {
 
 template <class T>
 auto copied(const std::vector<T>& values) {
-  auto data = std::make_unique<T[]>(values.size());
-  std::copy(values.begin(), values.end(), data.get());
-  return owned(std::move(data), {values.size()});
+  return gsp::copied(values.data(), values.size());
 }
 
 nb::tuple judge_boxes(Array<std::int32_t, 1> measures, Array<bool, 1> moduli,
@@ -209,10 +207,7 @@ nb::tuple judge_boxes(Array<std::int32_t, 1> measures, Array<bool, 1> moduli,
         }
       }
     };
-    std::vector<std::thread> threads;
-    for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    share(jobs, found.size(), work);
   }
   Judged all;
   const auto append = [](auto& to, const auto& from) {

@@ -56,10 +56,9 @@ OTHERS = {
 #: numbers that count roundings, and those that are sampled beside more digits
 #: (`tests/unit/motion/following/test_roundings.py`).
 KERNEL = {
-    "balls.hpp": (4, "the type of intervals: one rounding, its sums, and the least number"),
     "box_forms.hpp": (1, "sums of intervals of the type"),
     "correct_rounding.hpp": (7, "sampled; steps of the grid of rounded numbers"),
-    "drive_chain.hpp": (3, "directions to points, some operations; bounds from below"),
+    "drives.hpp": (3, "directions to points, some operations; bounds from below"),
     "drives.cpp": (1, "no proof: places without an order"),
     "ends.cpp": (1, "sampled: values with 32 digits"),
     "far_poses.cpp": (6, "sampled: shifts and values with 32 digits; no proof: where paths stop"),
@@ -69,10 +68,11 @@ KERNEL = {
     "inverse.hpp": (5, "counted: derivatives, products, sums of sizes, steps"),
     "pose_box.hpp": (1, "sines of the C library"),
     "reach.cpp": (1, "a bound from below"),
+    "reach.hpp": (4, "the type of intervals: one rounding, its sums, and the least number"),
     "reach_module.cpp": (2, "corners of boxes, as wide as they may be computed elsewhere"),
     "branch_follower.cpp": (1, "ends of segments of one mode"),
-    "tracker.cpp": (2, "no proof: digits of long series"),
     "segment_proof.hpp": (5, "counted: values, gradients, products; a sampled parabola"),
+    "tracker.cpp": (2, "no proof: digits of long series"),
 }
 
 

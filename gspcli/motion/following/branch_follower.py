@@ -52,61 +52,42 @@ class Stop(IntEnum):
 
 @dataclass(frozen=True)
 class FollowOptions:
-    """Options of following branches.
+    """Options of following branches."""
 
-    Attributes
-    ----------
-    certify
-        Whether each segment is proved to be one branch with no other near it. Without proof a
-        branch may jump to another one: its points are solutions of Newton's method.
-    most_halvings
-        How often the step between two rows may be halved before the branch ends. After 40 halvings
-        the step is 1e-12 of the distance between the rows.
-    jobs
-        Threads. The answer does not depend on them.
-    build
-        Name of the kernel's build; if empty, the quickest one for this processor.
-    """
-
+    #: Whether each segment is proved to be one branch with no other near it. Without proof a branch
+    #: may jump to another one: its points are solutions of Newton's method.
     certify: bool = True
+    #: How often the step between two rows may be halved before the branch ends. After 40 halvings
+    #: the step is 1e-12 of the distance between the rows.
     most_halvings: int = 40
+    #: Threads. The answer does not depend on them.
     jobs: int = 1
+    #: Name of the kernel's build; if empty, the quickest one for this processor.
     build: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Branches:
-    """Followed branches, n of them over r rows.
+    """Followed branches, n of them over r rows."""
 
-    Attributes
-    ----------
-    points
-        Study points of norm one, lengths in the unit of the equations, shape (n, r, 8); NaN after
-        the end of a branch.
-    stop
-        A `Stop` each, shape (n,).
-    reached, fraction
-        The last row reached (from 0), and the part of the step to the next one that was followed
-        beyond it, shape (n,).
-    last
-        The last point, shape (n, 8).
-    segments, tries
-        The numbers of segments that were proved and that were tried, shape (n,).
-    worst
-        The largest measure of a proof (it is below one), shape (n,).
-    near
-        A bound of the distance of ``last`` from the proved pose, in units of Study points of norm
-        one, shape (n,).
-    """
-
+    #: Study points of norm one, lengths in the unit of the equations, shape (n, r, 8); NaN after
+    #: the end of a branch.
     points: Array
+    #: A `Stop` each, shape (n,).
     stop: NDArray[np.int32]
+    #: The last row reached (from 0), and the part of the step to the next one that was followed
+    #: beyond it, shape (n,).
     reached: NDArray[np.int32]
     fraction: Array
+    #: The last point, shape (n, 8).
     last: Array
+    #: The numbers of segments that were proved and that were tried, shape (n,).
     segments: Index
     tries: Index
+    #: The largest measure of a proof (it is below one), shape (n,).
     worst: Array
+    #: A bound of the distance of ``last`` from the proved pose, in units of Study points of norm
+    #: one, shape (n,).
     near: Array
 
     @classmethod

@@ -465,27 +465,20 @@ class Segments:
     On a segment s goes from 0 to 1, and the poses are within ``radius`` of the chord
     ``exp(w) R, T + t`` with ``(w, t) = (s - middle) d``: T is the place of the middle of the
     platform, lengths are in units of `RowFollower.reach`.
-
-    Attributes
-    ----------
-    row, begin, end
-        The row before, and the part of the step to the next one, shapes (n,).
-    middle
-        0, or 1/2 if the chord is seen from its middle, shape (n,).
-    R, T, d
-        Shapes (n, 3, 3), (n, 3) and (n, 6).
-    radius, error, alone
-        Bounds of the distance of the poses from the chord, of the one at the end from the end of
-        the chord, and a distance within which there is no other pose, shapes (n,).
     """
 
+    #: The row before, and the part of the step to the next one, shapes (n,).
     row: Index
     begin: Array
     end: Array
+    #: 0, or 1/2 if the chord is seen from its middle, shape (n,).
     middle: Array
+    #: Shapes (n, 3, 3), (n, 3) and (n, 6).
     R: Array
     T: Array
     d: Array
+    #: Bounds of the distance of the poses from the chord, of the one at the end from the end of the
+    #: chord, and a distance within which there is no other pose, shapes (n,).
     radius: Array
     error: Array
     alone: Array
@@ -520,37 +513,27 @@ class Segments:
 
 @dataclass(frozen=True, eq=False)
 class FollowedMode:
-    """A mode along rows.
+    """A mode along rows."""
 
-    Attributes
-    ----------
-    reached, part
-        The last row reached, from 0, and the part of the step to the next one that was followed
-        beyond it; -1 if Newton's method found no pose at the first row.
-    R, T
-        The poses at the rows reached, shapes (r, 3, 3) and (r, 3).
-    last
-        The last pose (R, T).
-    error, alone
-        A bound of its distance from the proved pose, and a distance within which there is no other
-        one: of twists, as lengths.
-    steps, tries, worst
-        The numbers of segments that were proved and that were tried, and the largest Kantorovich
-        number of a proof.
-    segments
-        The proved segments, if they were asked for.
-    """
-
+    #: The last row reached, from 0, and the part of the step to the next one that was followed
+    #: beyond it; -1 if Newton's method found no pose at the first row.
     reached: int
     part: float
+    #: The poses at the rows reached, shapes (r, 3, 3) and (r, 3).
     R: Array
     T: Array
+    #: The last pose (R, T).
     last: tuple[Array, Array]
+    #: A bound of its distance from the proved pose, and a distance within which there is no other
+    #: one: of twists, as lengths.
     error: float
     alone: float
+    #: The numbers of segments that were proved and that were tried, and the largest Kantorovich
+    #: number of a proof.
     steps: int
     tries: int
     worst: float
+    #: The proved segments, if they were asked for.
     segments: Segments
 
 
@@ -692,24 +675,17 @@ class FollowerReport:
 
     At a start ``fraction`` is 1, or 0 if the pose is so nearly singular that no step from it can be
     proved; ``sigma`` and ``alone`` are those of the pose.
-
-    Attributes
-    ----------
-    fraction
-        How much of the line of values was proved; 1 if all.
-    sigma
-        A lower bound, where the last part began, of the least singular value of the Jacobian matrix
-        of the values. Twists are about the platform's middle, lengths are divided by its size
-        (``reach`` and ``middle`` of `platform_numbers`). It is seldom less than a third of it.
-    alone
-        No other pose with these values is nearer than this: a length, or radians times the size.
-    steps, tries
-        How many parts of the line were proved, and tried.
     """
 
+    #: How much of the line of values was proved; 1 if all.
     fraction: float
+    #: A lower bound, where the last part began, of the least singular value of the Jacobian matrix
+    #: of the values. Twists are about the platform's middle, lengths are divided by its size
+    #: (``reach`` and ``middle`` of `platform_numbers`). It is seldom less than a third of it.
     sigma: float
+    #: No other pose with these values is nearer than this: a length, or radians times the size.
     alone: float
+    #: How many parts of the line were proved, and tried.
     steps: int
     tries: int
 

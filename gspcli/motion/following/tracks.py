@@ -59,44 +59,31 @@ _ROUNDING, _MOST = 1e3 * float(np.finfo(float).eps), 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """The end or the beginning of a mode.
+    """The end or the beginning of a mode."""
 
-    Attributes
-    ----------
-    kind
-        ``fold``: it is proved that the mode and its partner meet and vanish. ``undecided``: the
-        mode was followed up to here, and was neither continued nor proved to end.
-    reason
-        For an undecided event what was observed at its pose: lines of a DLL become parallel, the
-        platform goes far away, or the pose is nearly singular.
-    begins
-        Whether the mode begins here instead of ending.
-    mode
-        Its number.
-    row
-        The row (from 0) before the event.
-    low, high
-        An interval of t: for a fold it is proved to contain the fold, otherwise it leads from the
-        last point of the mode to the next row.
-    R, T
-        The pose, shapes (3, 3) and (3,); of a fold the singular one. Not finite where the platform
-        goes to infinity.
-    partner
-        The number of the mode that vanishes with it, if that mode was followed.
-    partner_R, partner_T
-        The pose of the partner at the row before (after, if it begins); None if not found.
-    """
-
+    #: ``fold``: it is proved that the mode and its partner meet and vanish. ``undecided``: the mode
+    #: was followed up to here, and was neither continued nor proved to end.
     kind: Literal["fold", "undecided"]
+    #: For an undecided event what was observed at its pose: lines of a DLL become parallel, the
+    #: platform goes far away, or the pose is nearly singular.
     reason: str
+    #: Whether the mode begins here instead of ending.
     begins: bool
+    #: Its number.
     mode: int
+    #: The row (from 0) before the event.
     row: int
+    #: An interval of t: for a fold it is proved to contain the fold, otherwise it leads from the
+    #: last point of the mode to the next row.
     low: float
     high: float
+    #: The pose, shapes (3, 3) and (3,); of a fold the singular one. Not finite where the platform
+    #: goes to infinity.
     R: Array
     T: Array
+    #: The number of the mode that vanishes with it, if that mode was followed.
     partner: int | None = None
+    #: The pose of the partner at the row before (after, if it begins); None if not found.
     partner_R: Array | None = None
     partner_T: Array | None = None
 
@@ -119,53 +106,37 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Track(Tabular):
-    """Assembly modes along a trajectory.
+    """Assembly modes along a trajectory."""
 
-    Attributes
-    ----------
-    instance
-        Geometry and units, as given.
-    followed
-        The instance with points for lines of a DLL that stay parallel all along.
-    t, values
-        The rows, shapes (r,) and (r, 6); the values, with the offsets of the instance added, change
-        linearly between them.
-    modes
-        The numbers of the modes as `solve` orders them for the values of the instance
-        (`gspcli.motion.following.tracks`); modes that are new at the first row, or begin
-        later, have the next numbers. Shape (m,).
-    R, T
-        Poses, shapes (m, r, 3, 3) and (m, r, 3); NaN where a mode does not exist or was not
-        followed.
-    certified
-        Whether every part of every mode is proved to be one branch with no other branch near it.
-    events
-        The ends of modes, and with ``everything`` also their beginnings.
-    complete
-        Whether, with ``everything``, the modes at the last row are exactly the real poses there.
-    segments
-        The number of proved (or followed) parts of all modes.
-    poses_at_end
-        With ``everything``: all real poses (R, T) at the last row, found without following.
-    known
-        The number of real poses for the values of the instance; modes with larger numbers are new.
-    coordinates, places
-        The c coordinates that move, and their numbers at each row, shape (r, c).
-    """
-
+    #: Geometry and units, as given.
     instance: Instance
+    #: The instance with points for lines of a DLL that stay parallel all along.
     followed: Instance
+    #: The rows, shapes (r,) and (r, 6); the values, with the offsets of the instance added, change
+    #: linearly between them.
     t: Array
     values: Array
+    #: The numbers of the modes as `solve` orders them for the values of the instance
+    #: (`gspcli.motion.following.tracks`); modes that are new at the first row, or begin later, have
+    #: the next numbers. Shape (m,).
     modes: NDArray[np.int64]
+    #: Poses, shapes (m, r, 3, 3) and (m, r, 3); NaN where a mode does not exist or was not
+    #: followed.
     R: Array
     T: Array
+    #: Whether every part of every mode is proved to be one branch with no other branch near it.
     certified: bool
+    #: The ends of modes, and with ``everything`` also their beginnings.
     events: tuple[Event, ...]
+    #: Whether, with ``everything``, the modes at the last row are exactly the real poses there.
     complete: bool | None
+    #: The number of proved (or followed) parts of all modes.
     segments: int
+    #: With ``everything``: all real poses (R, T) at the last row, found without following.
     poses_at_end: tuple[Array, Array] | None = None
+    #: The number of real poses for the values of the instance; modes with larger numbers are new.
     known: int = 0
+    #: The c coordinates that move, and their numbers at each row, shape (r, c).
     coordinates: tuple[Coordinate, ...] = ()
     places: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
@@ -306,26 +277,17 @@ def _finite(part: Array) -> Any:
 
 @dataclass(frozen=True)
 class Departure:
-    """A row at which a mode is not at the pose of the file.
+    """A row at which a mode is not at the pose of the file."""
 
-    Attributes
-    ----------
-    mode
-        The number of the mode.
-    row
-        The row of the file, from 0.
-    t
-        The number of the row there.
-    distance
-        Between the origins of the platform at the two poses, in the unit of length.
-    turn
-        The angle between the two orientations, in radians.
-    """
-
+    #: The number of the mode.
     mode: int
+    #: The row of the file, from 0.
     row: int
+    #: The number of the row there.
     t: float
+    #: Between the origins of the platform at the two poses, in the unit of length.
     distance: float
+    #: The angle between the two orientations, in radians.
     turn: float
 
     def to_json(self, in_radians: float) -> dict[str, Any]:
@@ -695,15 +657,10 @@ def track(
     times = np.arange(1.0, len(rows) + 1) if t is None else _checked(t, "t", (len(rows),))
     if not (np.diff(times) > 0).all():
         raise ArgumentError("t must increase from row to row", "t")
-    platform: MovingPlatform | MovingGeometry
-    if chosen:
-        platform = MovingGeometry(over_rows(instance, rows), chosen)
-    else:
-        platform = MovingPlatform(over_rows(instance, rows))
+    platform = _moving(instance, rows, chosen)
     first = row_modes(instance, platform, rows[0], seed=seed, jobs=jobs)
     R, T, numbers = first.R, first.T, first.numbers
-    if not chosen:
-        platform = MovingPlatform(along_rows(instance, rows, R))
+    platform = _moving(instance, rows, chosen, R)
     if near is not None:
         followed = [_nearest(instance, first, near)]
     elif modes is not None:
@@ -746,6 +703,24 @@ def track_from(
     platform = MovingPlatform(over_rows(instance, rows))
     run = Run(instance, platform, times, rows, options or FollowOptions())
     return run.follow(R, T, np.arange(1, len(R) + 1))
+
+
+def _moving(
+    instance: Instance, rows: Array, chosen: Sequence[Coordinate], R: Array | None = None
+) -> Platform:
+    """Return a platform for following along rows of modes with the rotations R at the first."""
+    if chosen:
+        return MovingGeometry(over_rows(instance, rows), chosen)
+    return MovingPlatform(over_rows(instance, rows) if R is None else along_rows(instance, rows, R))
+
+
+def _same_poses(
+    platform: Platform, first: tuple[Array, Array], second: tuple[Array, Array]
+) -> NDArray[np.bool_]:
+    """Return which of n poses are which of m poses, shape (n, m)."""
+    # Study points are known up to sign.
+    overlap = np.abs(platform.points(*first) @ platform.points(*second).T)
+    return np.asarray(np.sqrt(np.maximum(0.0, 2 - 2 * overlap)) < SAME)
 
 
 def _checked(given: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Array:
@@ -794,15 +769,10 @@ def _with_births(run: Run, forward: Track, last: RowModes) -> Track:
     Their numbers are those of modes followed from the stated values to the last row. If such a
     number is in use, the mode gets the next free one.
     """
-    platform = run.platform
-    points = platform.points(last.R, last.T)
     arrived = ~np.isnan(forward.T[:, -1, 0])
-    known = platform.points(forward.R[arrived, -1], forward.T[arrived, -1])
-    # Study points are known up to sign.
-    overlap = np.abs(points @ known.T)
-    distance = np.sqrt(np.maximum(0.0, 2 - 2 * overlap))
-    fresh = np.flatnonzero(~(distance < SAME).any(axis=1))
-    complete = len(points) - len(fresh) == int(arrived.sum())
+    there = forward.R[arrived, -1], forward.T[arrived, -1]
+    fresh = np.flatnonzero(~_same_poses(run.platform, (last.R, last.T), there).any(axis=1))
+    complete = len(last.T) - len(fresh) == int(arrived.sum())
     numbers = last.numbers[fresh]
     unknown = (numbers > last.known) | np.isin(numbers, forward.modes)
     first = int(forward.modes.max(initial=forward.known)) + 1
@@ -829,21 +799,14 @@ def _with_births(run: Run, forward: Track, last: RowModes) -> Track:
 
 @dataclass(frozen=True, eq=False)
 class RowModes:
-    """The real poses at a row.
+    """The real poses at a row."""
 
-    Attributes
-    ----------
-    R, T
-        The poses, shapes (n, 3, 3) and (n, 3), in the order of their numbers.
-    numbers
-        Their numbers, shape (n,).
-    known
-        The number of real poses for the stated values; modes with larger numbers are new.
-    """
-
+    #: The poses, shapes (n, 3, 3) and (n, 3), in the order of their numbers.
     R: Array
     T: Array
+    #: Their numbers, shape (n,).
     numbers: NDArray[np.int64]
+    #: The number of real poses for the stated values; modes with larger numbers are new.
     known: int
 
 
@@ -901,11 +864,7 @@ def _carried(
     begins = (~_open_sides(instance) | (sides * np.sign(rows[0, :6]) >= 0)).all(axis=1)
     numbers = np.flatnonzero(begins) + 1
     R, T = R[begins], T[begins]
-    between: Platform
-    if platform.chosen:
-        between = MovingGeometry(over_rows(instance, rows), platform.chosen)
-    else:
-        between = MovingPlatform(along_rows(instance, rows, R))
+    between = _moving(instance, rows, platform.chosen, R)
     if not np.array_equal(rows[0], rows[1]):
         # Folds are not searched for: the ends of modes on the way are not needed.
         followed = between.follow(
@@ -919,9 +878,7 @@ def _carried(
         R, T = between.poses(followed.points[there, -1])
     if not len(R):
         return np.zeros(len(first[0]), np.int64)
-    # Study points are known up to sign.
-    overlap = np.abs(between.points(*first) @ between.points(R, T).T)
-    same_pose = np.sqrt(np.maximum(0.0, 2 - 2 * overlap)) < SAME
+    same_pose = _same_poses(between, first, (R, T))
     return np.where(same_pose.any(axis=1), numbers[same_pose.argmax(axis=1)], 0)
 
 

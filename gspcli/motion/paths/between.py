@@ -68,35 +68,25 @@ _AXES = np.eye(3)
 
 @dataclass(frozen=True, eq=False)
 class PathRows:
-    """Rows of a proved path, between which values, drives, or position and angles change linearly.
+    """Rows of a proved path, between which values, drives or poses change linearly."""
 
-    Attributes
-    ----------
-    machine
-        The machine, in the working modes of the path.
-    values, R, T
-        Shapes (r, 6), (r, 3, 3) and (r, 3); the values without offsets.
-    numbers
-        What changes linearly: what all drives are at, lengths and radians, shape (r, m); on ways of
-        poses position and angles, shape (r, 6).
-    ways
-        The straight ways of poses, if poses lead from row to row.
-    follower, rows
-        Else what follows the mode, and the rows as it takes them, shape (r, 6 + d); None if no
-        step knows what moves.
-    weights
-        The unit of each drive's changes in clearances, lengths and radians, shape (m,); None for
-        those of the machine.
-    """
-
+    #: The machine, in the working modes of the path.
     machine: Machine
+    #: Shapes (r, 6), (r, 3, 3) and (r, 3); the values without offsets.
     values: Array
     R: Array
     T: Array
+    #: What changes linearly: what all drives are at, lengths and radians, shape (r, m); on ways of
+    #: poses position and angles, shape (r, 6).
     numbers: Array
+    #: The straight ways of poses, if poses lead from row to row.
     ways: PoseWays | None = None
+    #: Else what follows the mode, and the rows as it takes them, shape (r, 6 + d); None if no step
+    #: knows what moves.
     follower: RowFollower | None = None
     rows: Array | None = None
+    #: The unit of each drive's changes in clearances, lengths and radians, shape (m,); None for
+    #: those of the machine.
     weights: Array | None = None
 
     @classmethod
@@ -921,41 +911,29 @@ _SIGN_KNOWN = 1e-9
 
 @dataclass(frozen=True)
 class LimitEvent:
-    """A time at which a limit is violated for the first time or kept again.
+    """A time at which a limit is violated for the first time or kept again."""
 
-    Attributes
-    ----------
-    kind
-        ``range`` for a value, a crank or a slide (the same for all modes), ``cone`` for a joint,
-        ``dead point`` for a crank or slide whose gain changes its sign.
-    leaves
-        Whether the limit is violated from here on; at the first row, whether it is violated at the
-        start.
-    constraint
-        The index of the constraint.
-    body
-        The body of the joint of the cone.
-    mode
-        The mode whose leg leaves the cone.
-    low, high
-        An interval that contains t. Values are linear between rows, so they leave a range at one t.
-    proved
-        Whether it is proved that the limit is kept before and violated after, or the reverse. An
-        unproved event of a certified track means that a cone may be violated between: the leg is
-        near the edge of the cone, or the mode is nearly singular. Without certification cones are
-        checked at rows.
-    drive
-        The name of the crank or slide; empty for values and cones.
-    """
-
+    #: ``range`` for a value, a crank or a slide (the same for all modes), ``cone`` for a joint,
+    #: ``dead point`` for a crank or slide whose gain changes its sign.
     kind: Literal["range", "cone", "dead point"]
+    #: Whether the limit is violated from here on; at the first row, whether it is violated at the
+    #: start.
     leaves: bool
+    #: The index of the constraint.
     constraint: int
+    #: The body of the joint of the cone.
     body: Literal["", "platform", "base"]
+    #: The mode whose leg leaves the cone.
     mode: int | None
+    #: An interval that contains t; one number where values or drives are linear between rows.
     low: float
     high: float
+    #: Whether it is proved that the limit is kept before and violated after, or the reverse. An
+    #: unproved event of a certified track means that a cone may be violated between: the leg is
+    #: near the edge of the cone, or the mode is nearly singular. Without certification cones are
+    #: checked at rows.
     proved: bool
+    #: The name of the crank or slide; empty for values and cones.
     drive: str = ""
 
 
@@ -1207,20 +1185,13 @@ BOUNDED = {"condition": False, "clearance": True, "gap": True, "transmission": T
 
 @dataclass(frozen=True)
 class Between:
-    """A way between two rows on which a requirement is not proved.
+    """A way between two rows on which a requirement is not proved."""
 
-    Attributes
-    ----------
-    mode
-        The number of the mode.
-    row
-        The row before it, from 0.
-    bound
-        What is proved there: at most this condition number, at least this clearance or gap.
-    """
-
+    #: The number of the mode.
     mode: int
+    #: The row before it, from 0.
     row: int
+    #: What is proved there: at most this condition number, at least this clearance or gap.
     bound: float
 
 
@@ -1312,21 +1283,14 @@ def _rows(
 
 @dataclass(frozen=True, eq=False)
 class PoseTrack:
-    """A file of poses as a track.
+    """A file of poses as a track."""
 
-    Attributes
-    ----------
-    track
-        The poses as the only mode; it ends with an undecided event before the first way that is
-        not proved to be regular.
-    ways
-        The straight ways in position and angles, in the frames of the poses.
-    limits
-        Where ranges and cones are left, or not proved to be kept.
-    """
-
+    #: The poses as the only mode; it ends with an undecided event before the first way that is not
+    #: proved to be regular.
     track: Track
+    #: The straight ways in position and angles, in the frames of the poses.
     ways: PoseWays
+    #: Where ranges and cones are left, or not proved to be kept.
     limits: tuple[LimitEvent, ...]
 
 

@@ -49,28 +49,20 @@ _MET = 2e-7
 
 @dataclass(frozen=True, eq=False)
 class NearestPose:
-    """The nearest pose that was found within the limits.
+    """The nearest pose that was found within the limits."""
 
-    Attributes
-    ----------
-    R, T
-        The pose, shapes (3, 3) and (3,).
-    values
-        The readings there, in the units of the instance: of the six values, or of all m drives of
-        a machine with cranks or slides, shape (m,).
-    shift, turn
-        The distance of the platform's point from the given place, and the angle between the
-        rotations in the unit of the instance.
-    limits
-        The limits that the pose meets, in words; none if it is the given pose. ``none found`` if
-        the search has found no pose: then it is the one where the platform is.
-    """
-
+    #: The pose, shapes (3, 3) and (3,).
     R: Array
     T: Array
+    #: The readings there, in the units of the instance: of the six values, or of all m drives of a
+    #: machine with cranks or slides, shape (m,).
     values: Array
+    #: The distance of the platform's point from the given place, and the angle between the
+    #: rotations in the unit of the instance.
     shift: float
     turn: float
+    #: The limits that the pose meets, in words; none if it is the given pose. ``none found`` if the
+    #: search has found no pose: then it is the one where the platform is.
     limits: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:

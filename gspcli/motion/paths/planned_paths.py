@@ -60,20 +60,13 @@ End = int | str | tuple[ArrayLike, ArrayLike] | HomeMode | Solution
 
 @dataclass(frozen=True, eq=False)
 class PathEnd:
-    """A pose with its values, and its name in messages.
+    """A pose with its values, and its name in messages."""
 
-    Attributes
-    ----------
-    name
-        Such as ``mode 3``.
-    values
-        Shape (6,), distances to planes signed, without offsets; of a mode the stated ones.
-    R, T
-        The pose, shapes (3, 3) and (3,).
-    """
-
+    #: Such as ``mode 3``.
     name: str
+    #: Shape (6,), distances to planes signed, without offsets; of a mode the stated ones.
     values: Array
+    #: The pose, shapes (3, 3) and (3,).
     R: Array
     T: Array
 
@@ -160,32 +153,22 @@ _STILL = 1e-12
 
 @dataclass(frozen=True)
 class PathPart:
-    """A straight part of a path, or a rounded corner between two.
+    """A straight part of a path, or a rounded corner between two."""
 
-    Attributes
-    ----------
-    first, last
-        Its rows, from 0.
-    pieces
-        How many pieces its proof has.
-    length
-        The way of the platform's points, as a root mean square, in the unit of length.
-    condition
-        The largest condition number at its rows.
-    clearance
-        A proved lower bound of the clearance of all its poses, between the rows, too; in the units
-        of `gsp clearance`. 0 if nothing is proved.
-    gap
-        A proved lower bound of the least gap between legs and bodies at all its poses, if one is
-        asked for.
-    """
-
+    #: Its rows, from 0.
     first: int
     last: int
+    #: How many pieces its proof has.
     pieces: int
+    #: The way of the platform's points, as a root mean square, in the unit of length.
     length: float
+    #: The largest condition number at its rows.
     condition: float
+    #: A proved lower bound of the clearance of all its poses, between the rows, too; in the units
+    #: of `gsp clearance`. 0 if nothing is proved.
     clearance: float
+    #: A proved lower bound of the least gap between legs and bodies at all its poses, if one is
+    #: asked for.
     gap: float | None = None
 
     def to_json(self) -> dict[str, Any]:
@@ -202,57 +185,40 @@ class PathPart:
 
 @dataclass(frozen=True, eq=False)
 class PlannedPath(Tabular):
-    """The answer of `gspcli.path`.
+    """The answer of `gspcli.path`."""
 
-    Attributes
-    ----------
-    instance
-        The platform.
-    start, goal
-        The ends in words, such as ``mode 3`` or ``the pose``.
-    verdict
-        ``proved``: the path is proved to be regular and to keep ranges and cones on the whole way.
-        ``impossible``: it is proved that there is no such path. ``not found``: neither, in the time
-        that was given.
-    reason
-        Why there is no path; empty if there is one.
-    along
-        Whether the values or position and angles change linearly between the rows.
-    t
-        A number for each row: its part of the path, counted from 0, with the fraction; seconds if
-        a speed was asked for. Shape (r,).
-    values
-        The values at the rows, without offsets, shape (r, 6).
-    R, T
-        The poses, shapes (r, 3, 3) and (r, 3).
-    conditions, clearances
-        At the rows: condition numbers, and proved clearances, shapes (r,).
-    parts
-        The straight parts, and the rounded corners between them.
-    timing
-        What is known of the time; None without a speed.
-    drives
-        What the m drives of a machine with cranks or slides are at in the rows, lengths and
-        radians, shape (r, m); else None.
-    gaps
-        The least gap between legs and bodies at the rows, shape (r,), if one is asked for.
-    """
-
+    #: The platform.
     instance: Instance
+    #: The ends in words, such as ``mode 3`` or ``the pose``.
     start: str
     goal: str
+    #: ``proved``: the path is proved to be regular and to keep ranges and cones on the whole way.
+    #: ``impossible``: it is proved that there is no such path. ``not found``: neither, in the time
+    #: that was given.
     verdict: Verdict
+    #: Why there is no path; empty if there is one.
     reason: str = ""
+    #: Whether the values or position and angles change linearly between the rows.
     along: str = ""
+    #: A number for each row: its part of the path, counted from 0, with the fraction; seconds if a
+    #: speed was asked for. Shape (r,).
     t: Array = field(default_factory=lambda: np.zeros(0))
+    #: The values at the rows, without offsets, shape (r, 6).
     values: Array = field(default_factory=lambda: _EMPTY)
+    #: The poses, shapes (r, 3, 3) and (r, 3).
     R: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
     T: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    #: At the rows: condition numbers, and proved clearances, shapes (r,).
     conditions: Array = field(default_factory=lambda: np.zeros(0))
     clearances: Array = field(default_factory=lambda: np.zeros(0))
+    #: The straight parts, and the rounded corners between them.
     parts: tuple[PathPart, ...] = ()
+    #: What is known of the time; None without a speed.
     timing: Timing | None = None
+    #: What the m drives of a machine with cranks or slides are at in the rows, lengths and radians,
+    #: shape (r, m); else None.
     drives: Array | None = None
+    #: The least gap between legs and bodies at the rows, shape (r,), if one is asked for.
     gaps: Array | None = None
 
     def __repr__(self) -> str:
@@ -749,15 +715,10 @@ _SAMPLES, _STEP = 400, 1e-4
 
 @dataclass(frozen=True)
 class PathLimits:
-    """Limits of speeds and accelerations.
+    """Limits of speeds and accelerations."""
 
-    Attributes
-    ----------
-    speed, acceleration
-        By name: of each of the ``drives`` (lengths, or angles in the unit of the instance), of the
-        ``platform``'s pivot (lengths), of its ``turn`` (angles); a second, and a second squared.
-    """
-
+    #: By name: of each of the ``drives`` (lengths, or angles in the unit of the instance), of the
+    #: ``platform``'s pivot (lengths), of its ``turn`` (angles); a second, and a second squared.
     speed: Mapping[str, float]
     acceleration: Mapping[str, float]
 
@@ -806,7 +767,7 @@ class PathLimits:
         return bool({*self.speed, *self.acceleration} - {DRIVES})
 
     def arrays(self, drives: int, in_radians: float) -> tuple[Array, Array]:
-        """Return the limits in the order of `Rates.largest`, infinite where there is none."""
+        """Return the limits in the order of `largest_rates`, infinite where there is none."""
         units = [1.0] * drives + [1.0, in_radians]
         names = [DRIVES] * drives + [PLATFORM, TURN]
         speed, acceleration = (
@@ -818,17 +779,11 @@ class PathLimits:
 
 @dataclass(frozen=True, eq=False)
 class Timing:
-    """The time of a path.
+    """The time of a path."""
 
-    Attributes
-    ----------
-    limits
-        What was asked for.
-    moves
-        The moves, in values or in positions and angles.
-    """
-
+    #: What was asked for.
     limits: PathLimits
+    #: The moves, in values or in positions and angles.
     moves: Moves
 
     @property
@@ -846,15 +801,6 @@ class Timing:
         }
 
 
-class TimedTrace(NamedTuple):
-    """Rows of a path with their times."""
-
-    trace: GuideRows
-    t: Array
-    """Seconds, shape (r,)."""
-    timing: Timing
-
-
 def _value_line(way: Array, speed: Array, acceleration: Array) -> LineMove:
     """Return a straight part of drives that move linearly."""
     duration = float((np.abs(way) / speed).max()) * _RATE_MARGIN
@@ -863,62 +809,43 @@ def _value_line(way: Array, speed: Array, acceleration: Array) -> LineMove:
     return LineMove(way, duration, rise)
 
 
-class Rates:
-    """Speeds and accelerations of what moves with position and angles.
+def largest_rates(ways: PoseWays, place: Array, way: Array) -> tuple[Array, Array]:
+    """Return the largest speeds and accelerations at samples of a straight way in one second.
 
     Parameters
     ----------
     ways
         The ways of poses of a platform.
+    place, way
+        Its beginning, and how far the parameters change, shape (6,) each.
+
+    Returns
+    -------
+    speeds, accelerations
+        Of the m drives in the units of the instance, of the pivot, and of the turn of the platform
+        in radians, shapes (m + 2,). Infinite where a drive does not reach.
     """
-
-    def __init__(self, ways: PoseWays) -> None:
-        self.ways = ways
-
-    def _drives(self, R: Array, T: Array) -> Array:
-        """Return what the drives are at along rows of poses, in their units, shape (r, m)."""
-        return self.ways.machine.along(R, T) / self.ways.machine.units
-
-    @property
-    def count(self) -> int:
-        """The number of drives."""
-        return self.ways.machine.count
-
-    def largest(self, place: Array, way: Array) -> tuple[Array, Array]:
-        """Return the largest speeds and accelerations at samples of a straight way in one second.
-
-        Parameters
-        ----------
-        place, way
-            Its beginning, and how far the parameters change, shape (6,) each.
-
-        Returns
-        -------
-        speeds, accelerations
-            Of the m drives in the units of the instance, of the pivot, and of the turn of the
-            platform in radians, shapes (m + 2,). Infinite where a drive does not reach.
-        """
-        step = _STEP / max(float((np.abs(way) / self.ways.sizes).max()), 1e-300)
-        middles = np.linspace(0.0, 1.0, _SAMPLES + 1)[:, None]
-        t = (middles + step * np.array([-1.0, 0.0, 1.0])).ravel()[:, None]
-        R, T = self.ways.poses(place + way * t)
-        x = self._drives(R, T).reshape(len(middles), 3, -1)
-        R = R.reshape(-1, 3, 3, 3)
-        before, after = (R[:, k].swapaxes(1, 2) @ R[:, k + 1] for k in range(2))
-        first, second = (_spin(one) for one in (before, after))
-        speeds = [
-            np.abs(x[:, 2] - x[:, 0]) / (2 * step),
-            np.full((len(middles), 1), np.linalg.norm(way[:3])),
-            np.linalg.norm(first + second, axis=1)[:, None] / (2 * step),
-        ]
-        bends = [
-            np.abs(x[:, 2] - 2 * x[:, 1] + x[:, 0]) / step**2,
-            np.zeros((len(middles), 1)),
-            np.linalg.norm(second - first, axis=1)[:, None] / step**2,
-        ]
-        both = (np.concatenate(parts, axis=1).max(axis=0) for parts in (speeds, bends))
-        fastest, most = (np.where(np.isnan(one), np.inf, one * _SAMPLED) for one in both)
-        return fastest, most
+    step = _STEP / max(float((np.abs(way) / ways.sizes).max()), 1e-300)
+    middles = np.linspace(0.0, 1.0, _SAMPLES + 1)[:, None]
+    t = (middles + step * np.array([-1.0, 0.0, 1.0])).ravel()[:, None]
+    R, T = ways.poses(place + way * t)
+    x = (ways.machine.along(R, T) / ways.machine.units).reshape(len(middles), 3, -1)
+    R = R.reshape(-1, 3, 3, 3)
+    before, after = (R[:, k].swapaxes(1, 2) @ R[:, k + 1] for k in range(2))
+    first, second = (_spin(one) for one in (before, after))
+    speeds = [
+        np.abs(x[:, 2] - x[:, 0]) / (2 * step),
+        np.full((len(middles), 1), np.linalg.norm(way[:3])),
+        np.linalg.norm(first + second, axis=1)[:, None] / (2 * step),
+    ]
+    bends = [
+        np.abs(x[:, 2] - 2 * x[:, 1] + x[:, 0]) / step**2,
+        np.zeros((len(middles), 1)),
+        np.linalg.norm(second - first, axis=1)[:, None] / step**2,
+    ]
+    both = (np.concatenate(parts, axis=1).max(axis=0) for parts in (speeds, bends))
+    fastest, most = (np.where(np.isnan(one), np.inf, one * _SAMPLED) for one in both)
+    return fastest, most
 
 
 def _spin(turns: Array) -> Array:
@@ -927,9 +854,9 @@ def _spin(turns: Array) -> Array:
     return np.stack((odd[:, 2, 1], odd[:, 0, 2], odd[:, 1, 0]), axis=1)
 
 
-def _pose_line(rates: Rates, first: Array, way: Array, v: Array, a: Array) -> LineMove:
+def _pose_line(ways: PoseWays, first: Array, way: Array, v: Array, a: Array) -> LineMove:
     """Return a straight part in position and angles: drives at samples."""
-    speeds, bends = rates.largest(first, way)
+    speeds, bends = largest_rates(ways, first, way)
     best, time = LineMove(way, np.inf, 0.0), np.inf
     for share in _BENT:
         duration = max(float((speeds / v).max()), float(np.sqrt((bends / (share * a)).max())))
@@ -948,8 +875,8 @@ def _pose_line(rates: Rates, first: Array, way: Array, v: Array, a: Array) -> Li
 
 def timed(
     guide: Guide, corners: Array, limits: PathLimits, counts: NDArray[np.int64]
-) -> TimedTrace | None:
-    """Return rows along a path with their times, or None if they are not proved.
+) -> tuple[GuideRows, Array, Timing] | None:
+    """Return rows along a path, their times, shape (r,), and the timing; None if not proved.
 
     Parameters
     ----------
@@ -967,15 +894,11 @@ def timed(
     if not moving:
         trace = guide.trace(corners, counts)
         still = Moves(*np.zeros((2, 1)), *np.zeros((3, 0)))
-        return (
-            None
-            if trace is None
-            else TimedTrace(trace, 0.0 * trace.fraction, Timing(limits, still))
-        )
+        return None if trace is None else (trace, 0.0 * trace.fraction, Timing(limits, still))
     if isinstance(guide, PoseGuide):
-        rates = Rates(guide.ways)
-        v, a = limits.arrays(rates.count, guide.ways.instance.units.angle.in_radians)
-        lines = [_pose_line(rates, x, y - x, v, a) for x, y in pairwise(places)]
+        ways = guide.ways
+        v, a = limits.arrays(ways.machine.count, ways.instance.units.angle.in_radians)
+        lines = [_pose_line(ways, x, y - x, v, a) for x, y in pairwise(places)]
     else:
         v, a = (one[: guide.sizes.size] for one in limits.arrays(guide.sizes.size, 1.0))
         lines = [_value_line(y - x, v, a) for x, y in pairwise(places)]
@@ -989,7 +912,7 @@ def timed(
     numbers[-1] = places[-1]
     fraction = (t - moves.begins[part]) / np.diff(moves.begins)[part]
     trace = guide.through(RowsOnWay(np.asarray(part, np.int64), fraction, numbers))
-    return None if trace is None else TimedTrace(trace, t, Timing(limits, moves))
+    return None if trace is None else (trace, t, Timing(limits, moves))
 
 
 class LineMove(NamedTuple):
@@ -1005,21 +928,14 @@ class LineMove(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Moves:
-    """Straight parts, one after the other, each from rest to rest.
+    """Straight parts, one after the other, each from rest to rest."""
 
-    Attributes
-    ----------
-    begins
-        When each part begins, and at last when all end, shape (k + 1,).
-    places, ways
-        Where each begins, and where it leads from there, shapes (k, d).
-    tops, rises
-        Its largest rate, and how quickly the rate changes, shape (k,).
-    """
-
+    #: When each part begins, and at last when all end, shape (k + 1,).
     begins: Array
+    #: Where each begins, and where it leads from there, shapes (k, d).
     places: Array
     ways: Array
+    #: Its largest rate, and how quickly the rate changes, shape (k,).
     tops: Array
     rises: Array
 

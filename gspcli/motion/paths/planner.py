@@ -4,7 +4,7 @@ What costs least is tried first:
 
 - the limits at the ends, and the signs that a regular path cannot change (`Classes`);
 - the straight way of values, and the straight way in position and angles;
-- the proof that the mode fills its ranges (`whole_sheet`);
+- the proof that the mode fills its ranges (`fills_ranges`);
 - a map of poses, or of sets of values with all their poses, and a smoother path.
 
 Last the rows that are returned are proved.
@@ -86,7 +86,7 @@ from gspcli.motion.paths.planned_paths import (
     steps,
     timed,
 )
-from gspcli.motion.paths.ways import PoseWays, Sheet, ValueWays, whole_sheet
+from gspcli.motion.paths.ways import PoseWays, ValueWays, fills_ranges
 from gspcli.motion.workspace.travels import too_near, violations
 from gspcli.records import Tabular, dataclass
 from gspcli.solver import solve_batch
@@ -105,17 +105,11 @@ _CERTAIN = 1e-9
 
 @dataclass(frozen=True)
 class Factor:
-    """A factor of det J.
+    """A factor of det J."""
 
-    Attributes
-    ----------
-    constraints
-        The indices of the constraints whose determinant it is.
-    space
-        What these constraints see, in words.
-    """
-
+    #: The indices of the constraints whose determinant it is.
     constraints: tuple[int, ...]
+    #: What these constraints see, in words.
     space: str
 
     @property
@@ -1127,7 +1121,7 @@ class Planner:
         if not ways.ranged:
             return False
         point = ways.points(end.R[None], end.T[None])[0]
-        return whole_sheet(ways, end.values, point) is Sheet.WHOLE
+        return fills_ranges(ways, end.values, point)
 
     def value_map(self, ends: Sequence[PathEnd]) -> ValueMap:
         """Return a map of values with some ends, on the sides of the first."""
@@ -1475,49 +1469,32 @@ def _lengths(instance: Instance, trace: GuideRows) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class ModeGroup:
-    """One mode among the others.
+    """One mode among the others."""
 
-    Attributes
-    ----------
-    mode
-        Its number.
-    signs
-        The proved signs of det J and of its factors, such as ``+-``.
-    group
-        The smallest number of the modes that it is joined with by proved paths; None if the mode
-        does not keep the limits.
-    alone
-        Whether it is proved that no path within the ranges leads to any other mode.
-    left
-        The first limit that the mode violates, in words; empty if it keeps all.
-    """
-
+    #: Its number.
     mode: int
+    #: The proved signs of det J and of its factors, such as ``+-``.
     signs: str
+    #: The smallest number of the modes that it is joined with by proved paths; None if the mode
+    #: does not keep the limits.
     group: int | None
+    #: Whether it is proved that no path within the ranges leads to any other mode.
     alone: bool
+    #: The first limit that the mode violates, in words; empty if it keeps all.
     left: str
 
 
 @dataclass(frozen=True, eq=False)
 class ModeGroups(Tabular):
-    """All modes of a platform in groups.
+    """All modes of a platform in groups."""
 
-    Attributes
-    ----------
-    instance
-        The platform.
-    names
-        What the signs are of, in words.
-    modes
-        The modes, in the order of `solve`.
-    undecided
-        Pairs of groups of which it is not known whether a path joins them.
-    """
-
+    #: The platform.
     instance: Instance
+    #: What the signs are of, in words.
     names: tuple[str, ...]
+    #: The modes, in the order of `solve`.
     modes: tuple[ModeGroup, ...]
+    #: Pairs of groups of which it is not known whether a path joins them.
     undecided: tuple[tuple[int, int], ...]
 
     def __repr__(self) -> str:

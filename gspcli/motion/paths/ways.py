@@ -21,7 +21,6 @@ followed to their centres.
 
 from __future__ import annotations
 
-from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
 
@@ -157,19 +156,8 @@ def _ranges(instance: Instance, signs: Array) -> tuple[Array, Array]:
     return low, high
 
 
-class Sheet(Enum):
-    """What a mode is over the box of ranges."""
-
-    WHOLE = "whole"
-    """It is proved to fill the box."""
-    ENDS = "ends"
-    """It could not be followed to some values of the box: it ends there, or nearly so."""
-    OPEN = "open"
-    """Neither was found with this many boxes."""
-
-
-def whole_sheet(ways: ValueWays, values: Array, point: Array) -> Sheet:
-    """Return whether a mode fills the box of ranges.
+def fills_ranges(ways: ValueWays, values: Array, point: Array) -> bool:
+    """Return whether a mode is proved to fill the box of ranges.
 
     Parameters
     ----------
@@ -181,7 +169,7 @@ def whole_sheet(ways: ValueWays, values: Array, point: Array) -> Sheet:
     middle, half = (ways.low + ways.high) / 2, (ways.high - ways.low) / 2
     first = ways.follow(np.stack((values, middle))[None], np.zeros(1, np.int64), point[None])
     if not first.there[0]:
-        return Sheet.ENDS
+        return False
     centres, halves, points = middle[None], half[None], first.points[:, -1]
     boxes = 0
     while len(centres):
@@ -192,7 +180,7 @@ def whole_sheet(ways: ValueWays, values: Array, point: Array) -> Sheet:
         centres, halves, points = centres[later], halves[later], points[later]
         boxes += len(c)
         if boxes > _MOST:
-            return Sheet.OPEN
+            return False
         near = Neighbourhood(ways.platform, p, ways.platform.internal(c))
         box = near.box(above(ways.platform.internal(h)))
         open_ = ~(box.measure < 1)
@@ -209,11 +197,11 @@ def whole_sheet(ways: ValueWays, values: Array, point: Array) -> Sheet:
         rows = np.stack((np.concatenate((c, c)), goals), axis=1)
         moved = ways.follow(rows, np.arange(len(rows)), np.concatenate((p, p)))
         if not moved.there.all():
-            return Sheet.ENDS
+            return False
         centres = np.concatenate((centres, goals))
         halves = np.concatenate((halves, h, h))
         points = np.concatenate((points, moved.points[:, -1]))
-    return Sheet.WHOLE
+    return True
 
 
 #: A way is divided at first until no angle of a piece changes by more, in radians.
@@ -226,27 +214,18 @@ _NEAR = 1e-9
 
 @dataclass(frozen=True)
 class WayProof:
-    """What is proved of a straight way.
+    """What is proved of a straight way."""
 
-    Attributes
-    ----------
-    sign
-        The sign of the determinant of the Jacobian matrix on the whole way, 1 or -1; 0 if the way
-        is not proved.
-    cells
-        How many cells are proved.
-    reason
-        Why the way is not proved, in words; empty if it is.
-    violated
-        Whether it is proved that some pose of the way is singular or violates a limit.
-    shared
-        Whether rods that share a motor are not parallel on the way.
-    """
-
+    #: The sign of the determinant of the Jacobian matrix on the whole way, 1 or -1; 0 if the way is
+    #: not proved.
     sign: int
+    #: How many cells are proved.
     cells: int
+    #: Why the way is not proved, in words; empty if it is.
     reason: str = ""
+    #: Whether it is proved that some pose of the way is singular or violates a limit.
     violated: bool = False
+    #: Whether rods that share a motor are not parallel on the way.
     shared: bool = False
 
 
@@ -407,41 +386,24 @@ class PoseWays:
         open_ = int(left[0] & ~NEGATIVE)
         return WayProof(0, cells, ", ".join(self.boxes.names(open_)))
 
-    def contains(self, low: Array, high: Array, cuts: int = _MOST_CUTS) -> WayProof:
-        """Prove that all poses of a box are regular and within the limits, shape (6,) each.
-
-        Then each way within the box is proved, straight or not. The box is halved so often.
-        """
-        boxes, sign, cells = [(low, high, cuts)], 0, 0
-        one = np.zeros(1, np.uint64)
-        while boxes:
-            low, high, left = boxes.pop()
-            bounds = np.stack((low, high), axis=1)
-            free = np.flatnonzero(low < high).tolist()
-            found = self.boxes.judge(
-                bounds, free, 0, one, np.array([self._conditions]), split=False
-            )
-            if len(found.inside):
-                here = -1 if found.inside_signs[0] & NEGATIVE else 1
-                if sign * here < 0:
-                    return WayProof(0, cells, "singularity", violated=True)
-                sign, cells = here, cells + 1
-                continue
-            if not len(found.open) or not left:
-                names = self.boxes.names(int(found.open_left[0])) if len(found.open) else ["limit"]
-                return WayProof(0, cells, ", ".join(names))
-            axis = int(((high - low) / self.sizes).argmax())
-            first, second = high.copy(), low.copy()
-            first[axis] = second[axis] = (low[axis] + high[axis]) / 2
-            boxes += [(low, first, left - 1), (second, high, left - 1)]
-        return WayProof(sign, cells)
-
     def at(self, parameters: Array) -> WayProof:
-        """Prove that a pose is regular and within the limits, with poses very near to it."""
+        """Prove that a pose is regular and within the limits, with the box of poses near to it."""
         half = _NEAR * (self.sizes + np.abs(parameters))
         if self.machine.shared:
             half[3:] = 0
-        reason = self._is_apart(parameters - half, parameters + half)
+        low, high = parameters - half, parameters + half
+        reason = self._is_apart(low, high)
         if reason:
             return WayProof(0, 0, reason, shared=True)
-        return self.contains(parameters - half, parameters + half, cuts=0)
+        found = self.boxes.judge(
+            np.stack((low, high), axis=1),
+            np.flatnonzero(low < high).tolist(),
+            0,
+            np.zeros(1, np.uint64),
+            np.array([self._conditions]),
+            split=False,
+        )
+        if len(found.inside):
+            return WayProof(-1 if found.inside_signs[0] & NEGATIVE else 1, 1)
+        names = self.boxes.names(int(found.open_left[0])) if len(found.open) else ["limit"]
+        return WayProof(0, 0, ", ".join(names))

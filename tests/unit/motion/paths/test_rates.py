@@ -9,7 +9,7 @@ import gspcli
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.machine import Machine
 from gspcli.motion.paths.between import drive_travels
-from gspcli.motion.paths.planned_paths import Rates
+from gspcli.motion.paths.planned_paths import largest_rates
 from gspcli.motion.paths.ways import PoseWays
 from gspcli.motion.poses.inverse_kinematics import values_at
 
@@ -37,7 +37,7 @@ def test_rates_are_those_of_many_samples(name, sequence):
     draw = np.random.default_rng(3)
     velocity = draw.normal(size=6) * 0.003 * ways.sizes
     place = ways.parameters(R, T)
-    speeds, bends = Rates(ways).largest(place, velocity)
+    speeds, bends = largest_rates(ways, place, velocity)
     t = np.linspace(0, 1, 1001)[:, None]
     turned, moved = ways.poses(place + velocity * t)
     if machine.moves:

@@ -9,7 +9,7 @@ import gspcli
 from gspcli.geometry.machine import Machine
 from gspcli.motion.paths.between import PathRows, cones_kept
 from gspcli.motion.paths.planned_paths import Modes
-from gspcli.motion.paths.ways import Sheet, ValueWays, whole_sheet
+from gspcli.motion.paths.ways import ValueWays, fills_ranges
 from gspcli.motion.poses.inverse_kinematics import values_at
 
 
@@ -90,7 +90,7 @@ def test_a_mode_that_fills_its_ranges_is_at_all_their_values(name, mode):
     _, modes, ways = modes_of(name)
     end = modes[mode - 1]
     point = ways.points(end.R[None], end.T[None])
-    assert whole_sheet(ways, end.values, point[0]) is Sheet.WHOLE
+    assert fills_ranges(ways, end.values, point[0])
     draw = np.random.default_rng(7)
     goals = ways.low + (ways.high - ways.low) * draw.integers(0, 2, size=(40, 6))
     lines = np.stack((np.tile(end.values, (40, 1)), goals), axis=1)
@@ -103,4 +103,4 @@ def test_a_mode_with_a_fold_in_its_ranges_does_not_fill_them(name):
     _, modes, ways = modes_of(name)
     for end in modes:
         point = ways.points(end.R[None], end.T[None])[0]
-        assert whole_sheet(ways, end.values, point) is not Sheet.WHOLE
+        assert not fills_ranges(ways, end.values, point)
