@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from random import Random
@@ -259,32 +259,76 @@ BESIDE_CURVES = AccountOptions(attempts=2, endgame=EndgameOptions(max_winding=6)
 
 
 @dataclass(frozen=True, eq=False)
-class EndsOnCurve:
-    """Ends on a positive-dimensional solution set; as `solve.SolutionCurve`, norm 1."""
+class SolutionCurve:
+    """A positive-dimensional part of the solution set that paths ended on.
+
+    The evidence is numerical: the Jacobian matrix has a kernel, and a move along it with a
+    correction on a slice arrives at other solutions.
+    """
 
     dimension: int
+    """Local dimension of the solution set at `points`."""
     points: ComplexArray
+    """The ends of paths on it, shape (k, 8)."""
     motion: ComplexArray
+    """Consecutive points along it, shape (m, 8); real (zero imaginary parts) if `real`."""
     real: bool
+    """Whether real points were found, so that the motion is a self-motion of the mechanism."""
 
 
 @dataclass(frozen=True, eq=False)
-class Endpoints:
-    """The ends of all paths of one system; points of norm 1."""
+class SystemSolutions:
+    """The solutions of one system, with an account of every path."""
 
     points: ComplexArray
+    """Distinct finite isolated solutions, shape (n, 8), of norm 1 or as `scaled_to_one` says. Real
+    solutions have small but in general not zero imaginary parts."""
     multiplicity: NDArray[np.int64]
+    """How many paths end at each, shape (n,)."""
     condition: FloatArray
-    residual: FloatArray
+    """Condition number of each, shape (n,): Frobenius norm of the inverse of the Jacobian matrix,
+    in coordinates scaled to norm 1, the equations divided by the size of the terms that cancel
+    in them. A relative change of the coefficients moves the solution by about as much times
+    this. Infinite where the matrix is numerically singular."""
     account: PathAccount
+    """Where all paths end; as many are expected as the generic count of the structure says,
+    2^products times I."""
     suspect: bool = False
     """Winding numbers and multiplicities contradict each other."""
-    curves: list[EndsOnCurve] = field(default_factory=list)
+    curves: tuple[SolutionCurve, ...] = ()
+    """The positive-dimensional solution sets found."""
+
+    @property
+    def singular(self) -> NDArray[np.bool_]:
+        """Whether the Jacobian matrix at each is numerically singular, shape (n,)."""
+        return ~np.isfinite(self.condition)
 
     @property
     def doubts(self) -> tuple[int, bool]:
         """How many paths are lost, and whether counts contradict each other: less is better."""
         return self.account.lost, self.suspect
+
+    def scaled_to_one(self, scale: float) -> SystemSolutions:
+        """Return all points scaled to N = e.e = 1, where `scale` was the unit of f.
+
+        The sign is such that the largest entry of e has a positive real part.
+        """
+        curves = (
+            replace(
+                curve,
+                points=_scaled_to_one(curve.points, scale),
+                motion=_scaled_to_one(curve.motion, scale),
+            )
+            for curve in self.curves
+        )
+        return replace(self, points=_scaled_to_one(self.points, scale), curves=tuple(curves))
+
+
+def _scaled_to_one(points: ComplexArray, scale: float) -> ComplexArray:
+    points = points / np.sqrt((points[:, :4] ** 2).sum(axis=1, keepdims=True))
+    points[:, 4:] *= scale
+    largest = points[np.arange(len(points)), np.abs(points[:, :4]).argmax(axis=1)]
+    return points * np.where(largest.real < 0, -1.0, 1.0)[:, None]
 
 
 @lru_cache(maxsize=256)
@@ -307,14 +351,13 @@ def all_regular(results: PathResults) -> NDArray[np.bool_]:
     return good
 
 
-def regular_ends(results: PathResults, i: int) -> Endpoints:
+def regular_ends(results: PathResults, i: int) -> SystemSolutions:
     """Return the ends of the paths to a target for which `all_regular` holds."""
     count = results.points.shape[1]
-    return Endpoints(
+    return SystemSolutions(
         results.points[i],
         np.ones(count, dtype=np.int64),
         results.condition[i],
-        results.residual[i],
         PathAccount(expected=count, found=count),
     )
 

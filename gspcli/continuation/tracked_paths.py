@@ -13,8 +13,8 @@ from gspcli.continuation.endpoints import (
     ACCOUNTS,
     SINGULAR_ERROR,
     AccountOptions,
-    Endpoints,
-    EndsOnCurve,
+    SolutionCurve,
+    SystemSolutions,
     all_regular,
     clusters,
     distances,
@@ -413,7 +413,7 @@ def classify_endpoints(
     seed: int,
     jobs: int,
     options: AccountOptions = ACCOUNTS,
-) -> Endpoints:
+) -> SystemSolutions:
     """Return the ends of all paths to one target, from their first results (1, P)."""
     best = None
     for attempt in range(options.attempts):
@@ -432,7 +432,9 @@ def classify_endpoints(
     return best
 
 
-def _completed(ends: Endpoints, other: Endpoints, regular: NDArray[np.bool_]) -> Endpoints:
+def _completed(
+    ends: SystemSolutions, other: SystemSolutions, regular: NDArray[np.bool_]
+) -> SystemSolutions:
     """Add regular solutions from another attempt: one lost path ends at each."""
     lost = ends.account.lost
     if not lost or not len(other.points):
@@ -451,7 +453,6 @@ def _completed(ends: Endpoints, other: Endpoints, regular: NDArray[np.bool_]) ->
         points=np.concatenate([ends.points, other.points[index]]),
         multiplicity=np.concatenate([ends.multiplicity, other.multiplicity[index]]),
         condition=np.concatenate([ends.condition, other.condition[index]]),
-        residual=np.concatenate([ends.residual, other.residual[index]]),
         account=replace(ends.account, found=found, lost=lost - len(index)),
     )
 
@@ -486,12 +487,11 @@ class _Attempt:
         self.left = results.left[0].copy()
         self.status = results.status[0].copy()
         self.condition = results.condition[0].copy()
-        self.residual = results.residual[0].copy()
         self.correction = results.correction[0].copy()
         self.regular = results.is_simple[0]
         self.error = regular_error(self.correction)
 
-    def endpoints(self, seed: int) -> Endpoints:
+    def endpoints(self, seed: int) -> SystemSolutions:
         for options in (CAREFUL, _TINY_STEPS):
             wrong = collided(self.points, self.error, self.regular)
             wrong |= self.status == PathStatus.FAILED
@@ -507,7 +507,7 @@ class _Attempt:
 
     def _track_again(self, index: NDArray[np.intp], options: TrackerOptions) -> None:
         results = self._track(self.origin, self.target, self.start.points[index], options)
-        for name in ("points", "left", "status", "condition", "residual", "correction"):
+        for name in ("points", "left", "status", "condition", "correction"):
             getattr(self, name)[index] = getattr(results, name)[0]
         self.regular[index] = results.is_simple[0]
         self.error[index] = regular_error(self.correction[index])
@@ -561,13 +561,13 @@ class _Attempt:
         results = self._track(self.target, self.target, self.points[index], _TINY_STEPS)
         regular = self._simple(results.status[0], results.points[0])
         chosen = index[regular]
-        for name in ("points", "condition", "residual"):
+        for name in ("points", "condition"):
             getattr(self, name)[chosen] = getattr(results, name)[0][regular]
         self.error[chosen] = regular_error(results.correction[0][regular])
         self.regular[chosen] = True
         winding[chosen] = 0
 
-    def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> Endpoints:
+    def _classify(self, winding: NDArray[np.int64], rng: np.random.Generator) -> SystemSolutions:
         lost = int((winding < 0).sum())
         known = np.flatnonzero(winding >= 0)
         away = infinite(self.points[known], self.error[known])
@@ -593,11 +593,10 @@ class _Attempt:
             suspect |= bool((of_cycle[1:] % cycle[1:]).any())
             rows.append((first, len(members)))
         index = np.array([first for first, _ in rows], dtype=np.intp)
-        return Endpoints(
+        return SystemSolutions(
             self.points[index],
             np.array([count for _, count in rows], dtype=np.int64),
             self.condition[index],
-            self.target.residuals(self.points[index]),
             PathAccount(
                 expected=len(self.points),
                 found=sum(count for _, count in rows),
@@ -637,101 +636,23 @@ class _Attempt:
                 return candidate, real
         return point, along
 
-    def _curves(self, found: list[_OnCurve]) -> list[EndsOnCurve]:
+    def _curves(self, found: list[_OnCurve]) -> tuple[SolutionCurve, ...]:
         if not found:
-            return []
+            return ()
         motions = sample_motions(
             self.target,
             np.array([end.point for end in found]),
             np.array([end.tangents[:, 0] for end in found]),
         )
-        return [
-            EndsOnCurve(
+        return tuple(
+            SolutionCurve(
                 end.tangents.shape[1],
                 self.points[end.members],
                 motion,
                 not (end.point.imag.any() or end.tangents.imag.any()),
             )
             for end, motion in zip(found, motions, strict=True)
-        ]
-
-
-@dataclass(frozen=True, eq=False)
-class SolutionCurve:
-    """A positive-dimensional part of the solution set that paths ended on.
-
-    The evidence is numerical: the Jacobian matrix has a kernel, and a move along it with a
-    correction on a slice arrives at other solutions.
-    """
-
-    dimension: int
-    """Local dimension of the solution set at `points`."""
-    points: ComplexArray
-    """The ends of paths on it, shape (k, 8), scaled to N = 1."""
-    motion: ComplexArray
-    """Consecutive points along it, shape (m, 8), scaled to N = 1; real (zero imaginary parts)
-    if `real`."""
-    real: bool
-    """Whether real points were found, so that the motion is a self-motion of the mechanism."""
-
-
-@dataclass(frozen=True, eq=False)
-class SystemSolutions:
-    """The solutions of one system, with an account of every path."""
-
-    points: ComplexArray
-    """Distinct finite isolated solutions, shape (n, 8), scaled to N = e.e = 1. The sign is such
-    that the largest entry of e has a positive real part. Real solutions have small but in
-    general not zero imaginary parts."""
-    multiplicity: NDArray[np.int64]
-    """How many paths end at each, shape (n,)."""
-    singular: NDArray[np.bool_]
-    """Whether the Jacobian matrix at each is numerically singular, shape (n,)."""
-    condition: FloatArray
-    """Condition number of each, shape (n,): Frobenius norm of the inverse of the Jacobian matrix,
-    in coordinates scaled to norm 1, the equations divided by the size of the terms that cancel
-    in them. A relative change of the coefficients moves the solution by about as much times
-    this. Infinite where singular."""
-    residual: FloatArray
-    """Largest value of an equation, divided by the size of the terms that cancel in it, for
-    coordinates and factors of norm 1; shape (n,)."""
-    account: PathAccount
-    """Where all paths end; as many are expected as the generic count of the structure says,
-    2^products times I."""
-    curves: tuple[SolutionCurve, ...]
-    """The positive-dimensional solution sets found."""
-    seed: int
-    """What the random choices were made from."""
-
-
-def solutions_of(ends: Endpoints, scale: float, seed: int) -> SystemSolutions:
-    """Return the ends of all paths in the coordinates of the system, whose unit of f is `scale`."""
-    return SystemSolutions(
-        points=_scaled_to_one(ends.points, scale),
-        multiplicity=ends.multiplicity,
-        singular=~np.isfinite(ends.condition),
-        condition=ends.condition,
-        residual=ends.residual,
-        account=ends.account,
-        curves=tuple(
-            SolutionCurve(
-                curve.dimension,
-                _scaled_to_one(curve.points, scale),
-                _scaled_to_one(curve.motion, scale),
-                curve.real,
-            )
-            for curve in ends.curves
-        ),
-        seed=seed,
-    )
-
-
-def _scaled_to_one(points: ComplexArray, scale: float) -> ComplexArray:
-    """Undo the balance of e and f, and scale to N = 1 with a definite sign."""
-    points = points / np.sqrt((points[:, :4] ** 2).sum(axis=1, keepdims=True))
-    points[:, 4:] *= scale
-    largest = points[np.arange(len(points)), np.abs(points[:, :4]).argmax(axis=1)]
-    return points * np.where(largest.real < 0, -1.0, 1.0)[:, None]
+        )
 
 
 #: Distances from the target below which doubles may not distinguish paths.
@@ -898,7 +819,7 @@ class TrackedPaths:
             ends = classify_endpoints(
                 self._start, self._target, self._results, self.seed, self._jobs, options
             )
-        return solutions_of(ends, self.scale, self.seed)
+        return ends.scaled_to_one(self.scale)
 
     def _ends(self, results: PathResults) -> PathResults:
         """Return ends in the coordinates of the system."""

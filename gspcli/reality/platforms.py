@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gspcli.catalogue.kinds import DHP, DLL, DPH, Kind, Primitive
+from gspcli.continuation.endpoints import SystemSolutions
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracked_paths import SystemSolutions, solve_systems
+from gspcli.continuation.tracked_paths import solve_systems
 from gspcli.geometry.arrangement import Bodies
 from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import dot, normalized, rotation_from_quaternion

@@ -23,9 +23,9 @@ from gspcli.certification.counting import (
 from gspcli.certification.poses.certificates import excluded
 from gspcli.certification.poses.multiple import MultiplePose, multiple_poses, where_parallel
 from gspcli.certification.poses.pose_arrays import PoseProofs
-from gspcli.continuation.endpoints import BESIDE_CURVES, COUNTED
+from gspcli.continuation.endpoints import BESIDE_CURVES, COUNTED, SolutionCurve
 from gspcli.continuation.paths import Basis, PathAccount
-from gspcli.continuation.tracked_paths import SolutionCurve, TrackedPaths
+from gspcli.continuation.tracked_paths import TrackedPaths
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.instance import Constraint, Instance
 from gspcli.geometry.local_motions import Motion, local_motion, real_statement

@@ -26,28 +26,16 @@ Index = NDArray[np.intp]
 
 
 class Search:
-    """The proved poses of a platform, or of one geometry with each of b sets of values.
-
-    Parameters
-    ----------
-    problem
-        The platform.
-
-    Attributes
-    ----------
-    proved
-        The poses for sets of values of which one strategy has found all. Rows of other sets have
-        no meaning. None if no set of values is complete.
-    left
-        The indices of the sets of values that are not complete.
-    is_quick
-        Whether everything was found by quick paths, and proved at once.
-    """
+    """The proved poses of a platform, or of one geometry with each of b sets of values."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
+        #: The poses for sets of values of which one strategy has found all. Rows of other sets have
+        #: no meaning. None if no set of values is complete.
         self.proved: PoseProofs | None = None
+        #: The indices of the sets of values that are not complete.
         self.left: Index = np.arange(len(problem.values))
+        #: Whether everything was found by quick paths, and proved at once.
         self.is_quick = False
         self._sides: list[SideSearch] = []
 

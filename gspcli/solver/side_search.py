@@ -36,51 +36,32 @@ _ALIKE = 1e-9
 
 
 class SideSearch:
-    """The search for the poses of a platform for one choice of sides.
-
-    Parameters
-    ----------
-    problem, k
-        The platform, and which of its choices of sides.
-
-    Attributes
-    ----------
-    locator
-        The equations in balls.
-    sides
-        For each constraint the index of its equation (`BallSystem.equations`).
-    poses
-        The proved ones, simple and all different; quaternions of either sign.
-    infinite
-        The simple solutions at infinity that were met, all different.
-    reached
-        Which of the ends of the first strategy that came last have led to poses of their own; of
-        no ends at all if the kernel could prove nothing.
-    unresolved
-        The paths that have led to no pose with 32 digits.
-    eliminated
-        How many eliminations have been done.
-    wanted
-        How many simple poses there can be.
-    all_simple
-        Whether all poses are known to be simple ones.
-    tried
-        How many of the further strategies have ended (`gspcli.solver.further`).
-    """
+    """The search for the poses of a platform for one of its choices of sides, the k-th."""
 
     def __init__(self, problem: Problem, k: int) -> None:
         self.problem, self.k = problem, k
+        #: For each constraint the index of its equation (`BallSystem.equations`).
         self.sides = problem.sides[k]
+        #: The equations in balls.
         self.locator = problem.locator
+        #: The proved ones, simple and all different; quaternions of either sign.
         self.poses = PoseProofs(
             **PoseProofs.none(0), rounded=np.zeros(0, np.bool_), deviation=np.zeros(0)
         )
+        #: The simple solutions at infinity that were met, all different.
         self.infinite: list[Isolation] = []
+        #: Which of the ends of the first strategy that came last have led to poses of their own; of
+        #: no ends at all if the kernel could prove nothing.
         self.reached: Bits = np.zeros(0, np.bool_)
+        #: The paths that have led to no pose with 32 digits.
         self.unresolved: Index = np.arange(0)
+        #: How many eliminations have been done.
         self.eliminated = 0
+        #: How many simple poses there can be.
         self.wanted = problem.expected // len(problem.choices)
+        #: Whether all poses are known to be simple ones.
         self.all_simple = False
+        #: How many of the further strategies have ended (`gspcli.solver.further`).
         self.tried = 0
         #: The poses in balls, where these are known.
         self._located: list[Located | None] = []

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from gspcli.continuation.endpoints import SystemSolutions
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracked_paths import SystemSolutions, solve_systems
+from gspcli.continuation.tracked_paths import solve_systems
 from gspcli.defaults import SEED
 
 

@@ -10,9 +10,10 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from gspcli.continuation.endpoints import SystemSolutions
 from gspcli.continuation.paths import PathAccount
 from gspcli.continuation.systems import System
-from gspcli.continuation.tracked_paths import SystemSolutions, TrackedPaths, track_all
+from gspcli.continuation.tracked_paths import TrackedPaths, track_all
 from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.local_motions import Motion
 from gspcli.geometry.quaternions import (

@@ -35,13 +35,14 @@ def is_account_consistent(solutions) -> bool:
 def test_random_platforms_are_complete(build, kinds):
     rng = np.random.default_rng(9)
     cases = [build.platform(kinds, rng) for _ in range(2)]
-    for (_, r, t), solutions in zip(
+    for (target, r, t), solutions in zip(
         cases, solve_systems(target for target, _, _ in cases), strict=True
     ):
         assert solutions.account.verdict == "complete"
         assert len(solutions.points) == solutions.account.expected
         assert is_account_consistent(solutions)
-        assert solutions.residual.max() < 1e-13
+        unit = solutions.points / np.linalg.norm(solutions.points, axis=1)[:, None]
+        assert target.normalized().residuals(unit).max() < 1e-13
         rotations, translations = build.poses(solutions.points)
         error = np.abs(rotations - r).max(axis=(1, 2)) + np.abs(translations - t).max(axis=1)
         assert error.min() < 1e-9
