@@ -99,7 +99,8 @@ def _measured(
     if name == "clearance":
         from gspcli.motion.singularities.clearances import clearances
 
-        return clearances(machine, R, T)[0]
+        modes = None if q is None else machine.modes_at(R, T, q)
+        return clearances(machine, R, T, working_modes=modes)[0]
     if machine.moves:
         raise GspError(
             "--require pose-clearance: not known of machines with cranks or slides, use clearance, "

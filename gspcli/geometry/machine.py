@@ -450,6 +450,10 @@ class Machine:
         """Return the gains of the drives at their constraints, shape (..., 6)."""
         return self.at(R, T, q).gains
 
+    def modes_at(self, R: ArrayLike, T: ArrayLike, q: ArrayLike) -> NDArray[np.int64]:
+        """Return the working modes in which drives at q reach poses, shape (..., 6)."""
+        return np.where(self.driven & (self.gains(R, T, q) < 0), -1, 1)
+
     def matrix(self, gains: Array) -> Array:
         """Return D with ``J t = D q'`` and ``tau = D^T F``, ``(..., 6) -> (..., 6, m)``."""
         matrix = np.zeros((*gains.shape, self.count))

@@ -187,7 +187,7 @@ def test_rows(gsp, tmp_path):
     assert one == pytest.approx(other, abs=1e-6)
 
 
-def test_mirrored_modes_have_the_same_clearance(gsp):
+def test_mirrored_modes_have_the_same_clearance(gsp, tmp_path):
     """Two modes mirror each other in the base, and one of them has other working modes than home.
 
     The drives are at zero in both; the numbers of home's working modes are elsewhere in one.
@@ -198,3 +198,10 @@ def test_mirrored_modes_have_the_same_clearance(gsp):
         assert lower[k] == pytest.approx(lower[k + 1], rel=1e-3)
     assert lower[0] > 2
     assert lower[14] > 4
+    # Along a track, too.
+    names = ",".join(f"crank.B{k}" for k in range(1, 7))
+    path = tmp_path / "cranks.csv"
+    path.write_text(f"{names}\n0,0,0,0,0,0\n0.01,0,0,0,0,0\n", encoding="utf-8")
+    run = gsp("track", "@t-top-head", path, "--clearance", "--format", "json")
+    rows = [row["clearance"] for row in json.loads(run.out)["poses"][:16]]
+    assert rows == pytest.approx(lower, rel=1e-6)

@@ -176,16 +176,22 @@ def _clearances(
     found = {}
     if o.clear or "clearance" in asked:
         from gspcli.geometry.machine import Machine, value_machine
-        from gspcli.motion.paths.between import moves_by_drives
+        from gspcli.motion.paths.between import drive_rows, moves_by_drives
         from gspcli.motion.singularities.clearances import clearances
 
-        whole = moves_by_drives(result)
-        machine_of = Machine.of if whole else value_machine
-        found["clearance"] = _at_poses(
-            result,
-            lambda instance, *pose: clearances(machine_of(instance), *pose)[0],
-            [(slice(None), result.instance)] if whole else result.instances(),
-        )
+        if moves_by_drives(result):
+            machine, there = Machine.of(result.instance), ~np.isnan(result.T[..., 0])
+            q = np.tile(drive_rows(result, machine), (len(there), 1, 1))[there]
+            pose = result.R[there], result.T[there]
+            modes = machine.modes_at(*pose, q)
+            found["clearance"] = np.full(there.shape, np.nan)
+            found["clearance"][there] = clearances(machine, *pose, working_modes=modes)[0]
+        else:
+            found["clearance"] = _at_poses(
+                result,
+                lambda instance, *pose: clearances(value_machine(instance), *pose)[0],
+                result.instances(),
+            )
     if o.pose_clear or "pose-clearance" in asked:
         from gspcli.motion.singularities.pose_clearances import pose_clearances
 

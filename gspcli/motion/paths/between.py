@@ -1270,8 +1270,7 @@ def _rows(
         machine = Machine.of(without_corrections(track.instance))
         q = drive_rows(track, machine)[there]
         # Where no home is stated the working modes are those of the mode.
-        backward = machine.driven & (machine.gains(R[0], T[0], q[0]) < 0)
-        machine = replace(machine, signs=np.where(backward, -1, 1))
+        machine = replace(machine, signs=machine.modes_at(R[0], T[0], q[0]))
         geometry = MovingGeometry(track.followed, track.coordinates)
         return PathRows.of_drives(machine, geometry.rows, q, R, T)
     instance = value_machine(without_corrections(track.followed)).instance

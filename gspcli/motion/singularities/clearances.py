@@ -591,7 +591,7 @@ def clearance(
 
 def _in_modes_of(machine: Machine, R: Array, T: Array, q: Array) -> Machine:
     """Return the machine in the working modes in which its drives at q reach each of n poses."""
-    signs = np.where(machine.driven & (machine.gains(R, T, q) < 0), -1, 1)
+    signs = machine.modes_at(R, T, q)
     away = machine.points(machine.inverse(R, T, signs)) - machine.points(q)
     near = np.abs(away[:, machine.driven]) <= _SAME * machine.stated_arrangement.length
     for k in np.flatnonzero(~near.all(axis=(1, 2)))[:1].tolist():
