@@ -51,7 +51,7 @@ def test_intervals_of_a_rotary_machine_cover_the_truth():
     for _ in range(60):
         cranks, turns, places = noisy_rotary(angles, R, T, rng)
         found = gspcli.calibrate(
-            instance, blank, turns, places, cranks=cranks, sigma=ROTARY_SIGMA, prior=0.1
+            instance, blank, turns, places, drives=cranks, sigma=ROTARY_SIGMA, prior=0.1
         )
         assert found.unknowns.count == 0
         there = [true.names.index(name) for name in found.names]
@@ -94,7 +94,7 @@ def test_intervals_of_robust_fits_of_a_rotary_machine_cover_the_truth(share):
             np.full((len(T), 6), np.nan),
             turns,
             places,
-            cranks=cranks,
+            drives=cranks,
             sigma=ROTARY_SIGMA,
             prior=0.1,
             robust=True,
