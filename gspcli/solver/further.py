@@ -26,7 +26,9 @@ from gspcli.solver.side_search import FEW, Index, SideSearch
 _DECIMALS = 10**9
 #: Differences of directions, or of points from a line, from which poses are followed, negative for
 #: the other side: poses are found there with 32 digits.
-_APART = (1e-2, -3e-3)
+_APART = (1e-2, -1e-3)
+#: So many paths are lost before others are tried.
+_LOST = 4
 #: Bits in which all poses are computed by elimination: 512 do not suffice 1e33 lengths away, where
 #: machines in floating point have poses. The most paths for which that is done (some seconds).
 _BITS = (704, 1408, 2048)
@@ -98,10 +100,14 @@ def _follow_family(side: SideSearch, family: SpecialFamily, apart: float) -> Non
     """Add the poses to which those with such differences lead."""
     paths = FamilyPaths(family, side.locator, side.sides, apart)
     begin = side.problem.like(paths.instance)
-    for point, low in _ends(begin, side.k):
-        side.add_located([paths.locate(begin.locator, point, low)])
+    lost = 0
+    for i, (point, low) in enumerate(_ends(begin, side.k)):
+        pose = paths.locate(begin.locator, point, low)
+        lost += pose is None
+        side.add_located([pose])
         side.add_conjugates()
-        if side.is_complete:
+        if side.is_complete or (lost >= _LOST and 2 * lost > i):
+            # Where most are lost, the differences are too large.
             return
     side.add_close_conjugates()
 

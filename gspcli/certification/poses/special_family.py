@@ -5,14 +5,15 @@ points on a line the distances from another line are square roots of a polynomia
 the place on the line, so that three of them determine all others. If that holds up to eps, there
 are poses eps^-2 lengths away, with N of size eps^4, near each other. Paths from a start in general
 position do not reach them. Multiply the small differences by s: the Study points are then power
-series in s. They are followed from differences of 1e-3 to s = 1, along polynomials through the last
+series in s. They are followed from differences of 1e-2 to s = 1, along polynomials through the last
 points, with as many bits as N needs. On the way s is complex, so that no poses meet: each pose of
 the beginning leads to another one. The ends are located and proved like the ends of all paths.
 
 Newton's method converges to a relative error of about one in N, in f and in what of e cancels. So
 the polynomials are those of e, of N T and of N / s^m, N being of size s^m, with one coordinate of e
-equal to 1: e.e and f follow from them. Polynomials of e and f alone have to be right to s^4, so to
-twice as many digits, which takes three times as many points.
+equal to 1: e.e and f follow from them. Where points of the base are nearly on a line, or directions
+of the platform nearly parallel, N U takes the place of N T, U = R^T T. Polynomials of e and f alone
+have to be right to s^4, so to twice as many digits, which takes three times as many points.
 """
 
 from __future__ import annotations
@@ -46,12 +47,12 @@ _FEWEST = 4
 DIFFERENCE_BITS = 2048
 #: Bits of the equations for each bit of s eps (N is of size eps^4, and with three directions the
 #: Jacobian matrix loses twice as many), and additional bits: of directions, and of points.
-_OF_DIRECTIONS, _OF_POINTS = (12, 256), (5, 160)
+_OF_DIRECTIONS, _OF_POINTS = (12, 256), (8, 256)
 #: The first step of log s; the least factor of the next step after success, and the first one as a
 #: power of ten; the divisor after failure.
 _FIRST, _LONGER, _FIRST_POWER, _SHORTER = 1e-6, 4.0, 2.5, 4.0
 #: The most steps of a pose, and the number of points of a polynomial.
-_STEPS, _POINTS = 100, 12
+_STEPS, _POINTS = 150, 12
 #: Newton's method near a simple solution: the largest ratio of two steps (of the first step to the
 #: point), the part of the bits with which it has converged, and the most steps.
 _SHRINKS, _ARRIVED, _NEWTON = 0.3, 0.2, 14
@@ -87,6 +88,12 @@ class SpecialFamily:
     differences: tuple[Mapping[str, Sequence[arb]], ...]
     size: float
     bits: tuple[int, int]
+
+    @property
+    def in_base(self) -> bool:
+        """Whether N T stays small, not N U: of lines of the base, and of points on the platform."""
+        names = set().union(*self.differences)
+        return "v" in names or names == {"a"}
 
     def at(self, s: Ball) -> tuple[Statement, ...]:
         """Return the constraints with the differences multiplied by s."""
@@ -242,11 +249,13 @@ class FamilyPaths:
         if point is None:
             return None
         unit = _largest(point[:4])
-        places, rows = [x], [_row(point, unit)]
+        in_base = self._family.in_base
+        places, rows = [x], [_row(point, unit, in_base=in_base)]
         step, powers = _FIRST, (0, 0)
         for _ in range(_STEPS):
             step = min(step, x)
-            point = self._extrapolated(places, rows, powers, x - step)
+            row = self._extrapolated(places, rows, powers, x - step)
+            point = _study_point(row[:4], row[4:7], row[7], in_base=in_base)
             patch = _largest(point)
             found = self._solution(x - step, _divided(point, patch), patch)
             if found is None:
@@ -255,7 +264,7 @@ class FamilyPaths:
             x -= step
             if x == 0:
                 return found
-            row = _row(found, unit)
+            row = _row(found, unit, in_base=in_base)
             of_moved, of_norm = (
                 _power(row[k], rows[-1][k], self._ratio(x, places[-1]))
                 for k in (4 + _largest(row[4:7]), 7)
@@ -277,7 +286,7 @@ class FamilyPaths:
     def _extrapolated(
         self, places: Sequence[float], rows: Sequence[Numbers], powers: tuple[int, int], x: float
     ) -> Numbers:
-        """Return the Study point of the polynomials through rows at a place.
+        """Return the row of the polynomials through rows at a place.
 
         The powers are those of s in N T and N.
         """
@@ -289,14 +298,14 @@ class FamilyPaths:
         for y, row in zip(places, rows, strict=True):
             ratio = self._ratio(x, y)
             scaled.append([(z * ratio**k).mid() for z, k in zip(row, exponents, strict=True)])
-        found = [z.mid() for z in (self._weights[key] * acb_mat(scaled)).entries()]
-        return _study_point(found[:4], found[4:7], found[7])
+        return [z.mid() for z in (self._weights[key] * acb_mat(scaled)).entries()]
 
 
-def _row(point: Numbers, unit: int) -> Numbers:
-    """Return e, the vector part of f times the conjugate of e, and N, for e_k = 1."""
+def _row(point: Numbers, unit: int, *, in_base: bool) -> Numbers:
+    """Return e, half of N T, or of N U if not in the base, and N, for e_k = 1."""
     e, f = ([(x / point[unit]).mid() for x in part] for part in (point[:4], point[4:]))
-    moved = study.product(f, [e[0], *(-x for x in e[1:])])
+    conjugate = [e[0], *(-x for x in e[1:])]
+    moved = study.product(f, conjugate) if in_base else study.product(conjugate, f)
     return [x.mid() for x in (*e, *moved[1:], dot4(e, e))]
 
 
@@ -312,7 +321,7 @@ def _in_unit(row: Numbers, unit: int) -> Numbers:
     return [(x * factor ** (1 if i < 4 else 2)).mid() for i, x in enumerate(row)]
 
 
-def _study_point(e: Numbers, moved: Numbers, norm: acb) -> Numbers:
+def _study_point(e: Numbers, moved: Numbers, norm: acb, *, in_base: bool) -> Numbers:
     """Return the Study point of a row after a small change of e that makes e.e the norm."""
     conjugate = [acb(x.real, -x.imag) for x in e]
     size = sum((x * y for x, y in zip(e, conjugate, strict=True)), acb(0))
@@ -320,7 +329,8 @@ def _study_point(e: Numbers, moved: Numbers, norm: acb) -> Numbers:
         part = ((norm - dot4(e, e)) / (2 * size)).mid()
         e = [(x + part * y).mid() for x, y in zip(e, conjugate, strict=True)]
     norm = dot4(e, e)
-    return [*e, *((x / norm).mid() for x in study.product([acb(0), *moved], e))]
+    pair = ([acb(0), *moved], e) if in_base else (e, [acb(0), *moved])
+    return [*e, *((x / norm).mid() for x in study.product(*pair))]
 
 
 def _largest(point: Numbers) -> int:
