@@ -67,21 +67,14 @@ _SAME_TURN, _SAME_PLACE = 0.01, 1e-3
 
 @dataclass(frozen=True)
 class Unknowns:
-    """What data do not determine.
+    """What data do not determine."""
 
-    Attributes
-    ----------
-    count
-        Of how many independent directions.
-    frames
-        How many of these only say where the frames of base and platform are; with an unknown
-        measuring device and target they are kept as stated.
-    sentences
-        Which the others are, in words.
-    """
-
+    #: Of how many independent directions.
     count: int
+    #: How many of these only say where the frames of base and platform are; with an unknown
+    #: measuring device and target they are kept as stated.
     frames: int
+    #: Which the others are, in words.
     sentences: tuple[str, ...]
 
     @property
@@ -335,30 +328,21 @@ _OF_ANGLES = {"angle", "rotation", "inclination", "crank"}
 
 @dataclass(frozen=True)
 class Options:
-    """What is estimated, and how.
+    """What is estimated, and how."""
 
-    Attributes
-    ----------
-    estimate
-        What is estimated besides primitives and offsets: ``scales``, ``frames`` (of the measuring
-        device and the target), or parameters by name, as ``offset.2`` of a plane, or
-        ``base.B1.slide.offset`` in place of a shift of B1 along its rail.
-    hold
-        What keeps what is stated: ``offsets``, ``platform``, ``base``, ``platform.P1``,
-        ``offset.3`` ….
-    robust
-        Whether outliers, numbers more than five deviations away, are left out.
-    prior
-        How well the numbers are known before, in length units; None for a two-hundredth of a
-        typical length. A direction that the data determine less exactly counts as undetermined.
-    hold_unknown
-        Whether numbers that the data do not determine keep their stated values, instead of raising.
-    """
-
+    #: What is estimated besides primitives and offsets: ``scales``, ``frames`` (of the measuring
+    #: device and the target), or parameters by name, as ``offset.2`` of a plane, or
+    #: ``base.B1.slide.offset`` in place of a shift of B1 along its rail.
     estimate: tuple[str, ...] = ()
+    #: What keeps what is stated: ``offsets``, ``platform``, ``base``, ``platform.P1``, ``offset.3``
+    #: ….
     hold: tuple[str, ...] = ()
+    #: Whether outliers, numbers more than five deviations away, are left out.
     robust: bool = False
+    #: How well the numbers are known before, in length units; None for a two-hundredth of a typical
+    #: length. A direction that the data determine less exactly counts as undetermined.
     prior: float | None = None
+    #: Whether numbers that the data do not determine keep their stated values, instead of raising.
     hold_unknown: bool = False
 
 

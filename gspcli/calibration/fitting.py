@@ -67,38 +67,26 @@ class LinearEquations(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """The end of a fit.
+    """The end of a fit."""
 
-    Attributes
-    ----------
-    model
-        With the parameters found.
-    R, T
-        The poses found, shapes (n, 3, 3) and (n, 3).
-    residual
-        The residuals in standard deviations, NaN where nothing was measured, shape (n, q).
-    cost
-        The sum of squares (of a robust fit, of the losses).
-    freedom
-        Degrees of freedom: numbers measured less poses less parameters.
-    singular, directions
-        Singular values of the derivatives by the free parameters, each divided by its size, and the
-        directions that belong to them (rows), shapes (f,) and (f, f).
-    known
-        Which directions were estimated, shape (f,); the others keep what is stated.
-    converged
-        Whether the iterations came to their end.
-    """
-
+    #: With the parameters found.
     model: Model
+    #: The poses found, shapes (n, 3, 3) and (n, 3).
     R: Array
     T: Array
+    #: The residuals in standard deviations, NaN where nothing was measured, shape (n, q).
     residual: Array
+    #: The sum of squares (of a robust fit, of the losses).
     cost: float
+    #: Degrees of freedom: numbers measured less poses less parameters.
     freedom: int
+    #: Singular values of the derivatives by the free parameters, each divided by its size, and the
+    #: directions that belong to them (rows), shapes (f,) and (f, f).
     singular: Array
     directions: Array
+    #: Which directions were estimated, shape (f,); the others keep what is stated.
     known: NDArray[np.bool_]
+    #: Whether the iterations came to their end.
     converged: bool
 
     @cached_property

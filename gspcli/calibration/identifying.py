@@ -52,32 +52,21 @@ _DEGREE = float(np.pi / 180)
 
 @dataclass(frozen=True)
 class Turns:
-    """A convention of rotations.
+    """A convention of rotations."""
 
-    Attributes
-    ----------
-    order
-        The order of the axes of angles, about those of the platform; empty for whole rotations.
-    senses
-        Of the angles about x, y and z: 1, or -1 for the opposite of the right-hand rule.
-    in_radians
-        The unit of angles.
-    transposed
-        Whether rotations are from the base's frame to the platform's.
-    axes
-        About which axis the angle of each column turns, 0 to 2 for x to z.
-    heads
-        The headings of these columns if they do not name axes, such as ``A``; empty otherwise.
-    unit
-        The unit of angles in the log, ``deg`` or ``rad``.
-    """
-
+    #: The order of the axes of angles, about those of the platform; empty for whole rotations.
     order: str = ""
+    #: Of the angles about x, y and z: 1, or -1 for the opposite of the right-hand rule.
     senses: tuple[int, int, int] = (1, 1, 1)
+    #: The unit of angles.
     in_radians: float = 1.0
+    #: Whether rotations are from the base's frame to the platform's.
     transposed: bool = False
+    #: About which axis the angle of each column turns, 0 to 2 for x to z.
     axes: tuple[int, int, int] = (0, 1, 2)
+    #: The headings of these columns if they do not name axes, such as ``A``; empty otherwise.
     heads: tuple[str, ...] = ()
+    #: The unit of angles in the log, ``deg`` or ``rad``.
     unit: str = ""
 
     def rotations(self, log: Log, rows: NDArray[np.intp]) -> Array:

@@ -46,34 +46,23 @@ _AS_WRITTEN = FileUnits("", 1.0, frozenset())
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """The numbers of a log, as written; NaN where a cell is blank.
+    """The numbers of a log, as written; NaN where a cell is blank."""
 
-    Attributes
-    ----------
-    lengths, positions
-        Of the six legs, shape (n, 6), and of one point of the platform, shape (n, 3).
-    turns
-        Angles, shape (n, 3), or rotations, shape (n, 3, 3).
-    leg_unit, place_unit
-        Units that the heading names; empty if it names none.
-    angle_unit
-        That of angles, ``deg`` or ``rad``, if it names it: these are read as radians then.
-    order
-        The order of the axes that the heading says; None if it says none.
-    heads
-        The headings of angles that do not name their axes, such as A, B, C; empty for others.
-    lines
-        Where each row stands, for people: its t or its number.
-    """
-
+    #: Of the six legs, shape (n, 6), and of one point of the platform, shape (n, 3).
     lengths: Array
     positions: Array
+    #: Angles, shape (n, 3), or rotations, shape (n, 3, 3).
     turns: Array
+    #: Units that the heading names; empty if it names none.
     leg_unit: str
     place_unit: str
+    #: That of angles, ``deg`` or ``rad``, if it names it: these are read as radians then.
     angle_unit: str
+    #: The order of the axes that the heading says; None if it says none.
     order: str | None
+    #: The headings of angles that do not name their axes, such as A, B, C; empty for others.
     heads: tuple[str, ...]
+    #: Where each row stands, for people: its t or its number.
     lines: tuple[str, ...]
 
     @property

@@ -33,23 +33,16 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviations of what is measured; lengths, and angles in radians.
+    """Standard deviations of what is measured; lengths, and angles in radians."""
 
-    Attributes
-    ----------
-    value, angle
-        Of readings of distances and of angles; value may be zero where drives have all the noise.
-    position, rotation
-        Of a coordinate of a position (or point), and of a turn of a pose about an axis; both zero
-        if poses are exact.
-    inclination, crank, slide
-        Of an inclination, and of the readings of cranks and slides.
-    """
-
+    #: Of readings of distances and of angles; value may be zero where drives have all the noise.
     value: float
     angle: float
+    #: Of a coordinate of a position (or point), and of a turn of a pose about an axis; both zero if
+    #: poses are exact.
     position: float
     rotation: float
+    #: Of an inclination, and of the readings of cranks and slides.
     inclination: float
     crank: float
     slide: float
@@ -83,52 +76,35 @@ class WhitenedRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Measurements:
-    """What was measured at n poses; NaN where it was not.
+    """What was measured at n poses; NaN where it was not."""
 
-    Attributes
-    ----------
-    readings
-        Of the values, in units of length and radians; DPH and DHP signed, shape (n, 6).
-    rotations
-        Shape (n, 3, 3).
-    positions
-        Of the pivot, shape (n, 3).
-    pivot
-        In the platform's (target's) frame, shape (3,).
-    points
-        Points of the platform by the names of their primitives, or of the target, each (n, 3).
-    targets
-        Where the latter are on the target, by name, each (3,).
-    inclinations
-        Angles of the platform's x and y axes above the horizontal, in radians, shape (n, 2).
-    drives
-        Readings of the cranks and slides, in radians and lengths, a column for each, shape (n, m);
-        None if there are none.
-    lines
-        Where each row stands, for people: its t or its number, shape (n,).
-    euler
-        The order of the axes of rx, ry, rz in degrees, if rotations were stated by them.
-    rods
-        Which values are those of rods without readings or stay, which are constants of the machine
-        and have no noise but that of the drives that move them, shape (6,); see `constant_rods`.
-    sorts
-        Of a part of the rows: `measured_sorts` of all; None of all.
-    left_out
-        Which residuals of `rows` do not count, shape (n, q); None if all do.
-    """
-
+    #: Of the values, in units of length and radians; DPH and DHP signed, shape (n, 6).
     readings: Array
+    #: Shape (n, 3, 3).
     rotations: Array
+    #: Of the pivot, shape (n, 3).
     positions: Array
+    #: In the platform's (target's) frame, shape (3,).
     pivot: Array
+    #: Points of the platform by the names of their primitives, or of the target, each (n, 3).
     points: Mapping[str, Array] = field(default_factory=dict)
+    #: Where the latter are on the target, by name, each (3,).
     targets: Mapping[str, Array] = field(default_factory=dict)
+    #: Angles of the platform's x and y axes above the horizontal, in radians, shape (n, 2).
     inclinations: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    #: Readings of the cranks and slides, in radians and lengths, a column for each, shape (n, m);
+    #: None if there are none.
     drives: Array | None = None
+    #: Where each row stands, for people: its t or its number, shape (n,).
     lines: tuple[str, ...] = ()
+    #: The order of the axes of rx, ry, rz in degrees, if rotations were stated by them.
     euler: str = ""
+    #: Which values are those of rods without readings or stay, which are constants of the machine
+    #: and have no noise but that of the drives that move them, shape (6,); see `constant_rods`.
     rods: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(6, bool))
+    #: Of a part of the rows: `measured_sorts` of all; None of all.
     sorts: tuple[bool, bool] | None = None
+    #: Which residuals of `rows` do not count, shape (n, q); None if all do.
     left_out: NDArray[np.bool_] | None = None
 
     def __len__(self) -> int:

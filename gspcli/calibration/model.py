@@ -47,34 +47,24 @@ _SORTS: dict[Primitive, Sort] = {
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """The parameters of one primitive.
+    """The parameters of one primitive."""
 
-    Attributes
-    ----------
-    body, name, sort
-        Whose it is, its name in the file (``of 3`` if it has none), and what it is.
-    rows
-        The constraints that use it, from 0.
-    point, unit
-        Where it is now, shapes (3,); the direction, normal or axis is zero for a point.
-    shifts, tilts
-        Along what it can shift, shape (s, 3), and about what it can turn, shape (t, 3).
-    corrections
-        Of a drive what is added to its readings, in units of length or radians, and what they are
-        multiplied by, less one; shape (2,), and (0,) of what is no drive.
-    carried
-        The names of the points that a drive moves.
-    """
-
+    #: Whose it is, its name in the file (``of 3`` if it has none), and what it is.
     body: Body
     name: str
     sort: Sort
+    #: The constraints that use it, from 0.
     rows: tuple[int, ...]
+    #: Where it is now, shapes (3,); the direction, normal or axis is zero for a point.
     point: Array
     unit: Array
+    #: Along what it can shift, shape (s, 3), and about what it can turn, shape (t, 3).
     shifts: Array
     tilts: Array
+    #: Of a drive what is added to its readings, in units of length or radians, and what they are
+    #: multiplied by, less one; shape (2,), and (0,) of what is no drive.
     corrections: Array = field(default_factory=lambda: np.zeros(0))
+    #: The names of the points that a drive moves.
     carried: tuple[str, ...] = ()
 
     @property
@@ -235,35 +225,24 @@ _FRAME_NAMES = tuple(
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A platform whose numbers can change.
+    """A platform whose numbers can change."""
 
-    Attributes
-    ----------
-    kinds
-        The kinds of the six constraints.
-    length
-        A typical length, in which turns are weighed against shifts.
-    in_radians
-        The unit of angles.
-    blocks
-        The primitives.
-    offsets, scales
-        What is added to readings, in units of length and radians, and what they are multiplied by,
-        less one; shapes (6,).
-    frames
-        The pose of the base in the measuring device's frame and that of the target in the
-        platform's: a rotation vector and a shift each, shape (12,).
-    free
-        Which of all parameters are estimated, shape (p,).
-    """
-
+    #: The kinds of the six constraints.
     kinds: tuple[Kind, ...]
+    #: A typical length, in which turns are weighed against shifts.
     length: float
+    #: The unit of angles.
     in_radians: float
+    #: The primitives.
     blocks: tuple[Block, ...]
+    #: What is added to readings, in units of length and radians, and what they are multiplied by,
+    #: less one; shapes (6,).
     offsets: Array
     scales: Array
+    #: The pose of the base in the measuring device's frame and that of the target in the
+    #: platform's: a rotation vector and a shift each, shape (12,).
     frames: Array
+    #: Which of all parameters are estimated, shape (p,).
     free: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
 
     @classmethod
@@ -474,21 +453,14 @@ _DIGITS = 15
 
 @dataclass(frozen=True, eq=False)
 class FileNumbers:
-    """The numbers of an instance that parameters change.
+    """The numbers of an instance that parameters change."""
 
-    Attributes
-    ----------
-    names
-        ``base.B1.x``, ``platform.L2.direction.z``, ``base.B1.crank.centre.x``,
-        ``base.B1.slide.scale``, ``offset.3`` …, m of them.
-    values
-        In the units of the file (frames: lengths and the angle unit), shape (m,).
-    slopes
-        Derivatives by the parameters, shape (m, p).
-    """
-
+    #: ``base.B1.x``, ``platform.L2.direction.z``, ``base.B1.crank.centre.x``,
+    #: ``base.B1.slide.scale``, ``offset.3`` …, m of them.
     names: tuple[str, ...]
+    #: In the units of the file (frames: lengths and the angle unit), shape (m,).
     values: Array
+    #: Derivatives by the parameters, shape (m, p).
     slopes: Array
 
 

@@ -184,37 +184,25 @@ def d_optimal(slopes: Array, count: int, before: Array) -> NDArray[np.intp]:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Poses to measure, and what will be known then.
+    """Poses to measure, and what will be known then."""
 
-    Attributes
-    ----------
-    machine
-        The platform as stated, with its drives where they are read.
-    R, T
-        The poses, shapes (n, 3, 3) and (n, 3).
-    readings
-        What the machine reads there as it is stated, in the units of the instance, shape (n, 6).
-    drives
-        The readings of its cranks and slides by their names, each (n,).
-    names, sigma
-        The numbers that will be found, and their standard deviations, shape (m,).
-    before
-        The same without the plan: what is known before, and from data if there are any.
-    candidates
-        Of how many poses they were chosen.
-    untold
-        How many of the numbers will not be known twice as well as before all measurements.
-    """
-
+    #: The platform as stated, with its drives where they are read.
     machine: Machine
+    #: The poses, shapes (n, 3, 3) and (n, 3).
     R: Array
     T: Array
+    #: What the machine reads there as it is stated, in the units of the instance, shape (n, 6).
     readings: Array
+    #: The readings of its cranks and slides by their names, each (n,).
     drives: dict[str, Array]
+    #: The numbers that will be found, and their standard deviations, shape (m,).
     names: tuple[str, ...]
     sigma: Array
+    #: The same without the plan: what is known before, and from data if there are any.
     before: Array
+    #: Of how many poses they were chosen.
     candidates: int
+    #: How many of the numbers will not be known twice as well as before all measurements.
     untold: int
 
     def __repr__(self) -> str:

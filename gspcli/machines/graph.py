@@ -63,33 +63,22 @@ class NoPlatform(GspError):
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One freedom of a joint (a hinge or a slide), or a ball.
+    """One freedom of a joint (a hinge or a slide), or a ball."""
 
-    Attributes
-    ----------
-    letter
-        R for a hinge, P for a slide, S for a ball.
-    axis
-        Unit vector, shape (3,), in the frame of the joint's first body; zero for a ball.
-    point
-        A point of the axis, or the centre, shape (3,), there.
-    at
-        The joint's coordinate in the configuration of the file.
-    low, high
-        The range of the coordinate; infinite where there is none.
-    driven
-        Whether a motor moves it.
-    name
-        What the file calls it.
-    """
-
+    #: R for a hinge, P for a slide, S for a ball.
     letter: str
+    #: Unit vector, shape (3,), in the frame of the joint's first body; zero for a ball.
     axis: Array
+    #: A point of the axis, or the centre, shape (3,), there.
     point: Array
+    #: The joint's coordinate in the configuration of the file.
     at: float = 0.0
+    #: The range of the coordinate; infinite where there is none.
     low: float = -math.inf
     high: float = math.inf
+    #: Whether a motor moves it.
     driven: bool = False
+    #: What the file calls it.
     name: str = ""
 
     def motion(self, change: Array | float) -> Array:
@@ -124,30 +113,20 @@ def ball(point: Array, name: str = "") -> Part:
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """A joint between two bodies; without parts it is rigid.
+    """A joint between two bodies; without parts it is rigid."""
 
-    Attributes
-    ----------
-    name
-        What the file calls it.
-    first, second
-        The bodies.
-    relative
-        The pose of the second in the first in the configuration of the file, with the joint closed.
-    parts
-        From the first body to the second; each axis is where it is in that configuration.
-    closure
-        Whether the file has it as the closure of a loop, and not as a branch of its tree.
-    gap
-        How far that closure is open in the configuration of the file.
-    """
-
+    #: What the file calls it.
     name: str
+    #: The bodies.
     first: str
     second: str
+    #: The pose of the second in the first in the configuration of the file, with the joint closed.
     relative: Array
+    #: From the first body to the second; each axis is where it is in that configuration.
     parts: tuple[Part, ...] = ()
+    #: Whether the file has it as the closure of a loop, and not as a branch of its tree.
     closure: bool = False
+    #: How far that closure is open in the configuration of the file.
     gap: float = 0.0
 
     @property
@@ -173,69 +152,45 @@ def closure(
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body.
+    """A body."""
 
-    Attributes
-    ----------
-    name
-        What the file calls it.
-    pose
-        In the world, in the configuration of the file, shape (4, 4).
-    mass
-        Kilogrammes; None if the file does not say.
-    centre
-        Of mass, in its frame, shape (3,).
-    inertia
-        About the centre, in its axes, shape (3, 3).
-    """
-
+    #: What the file calls it.
     name: str
+    #: In the world, in the configuration of the file, shape (4, 4).
     pose: Array
+    #: Kilogrammes; None if the file does not say.
     mass: float | None = None
+    #: Of mass, in its frame, shape (3,).
     centre: Array = field(default_factory=lambda: np.zeros(3))
+    #: About the centre, in its axes, shape (3, 3).
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
 
 @dataclass(frozen=True, eq=False)
 class Graph:
-    """A machine.
+    """A machine."""
 
-    Attributes
-    ----------
-    format
-        Of the file, as MJCF.
-    name
-        What the file calls the machine.
-    bodies
-        By their names.
-    joints
-        In the order of the file.
-    world
-        The body that does not move, if the file has one.
-    length
-        The unit of length.
-    drives_known
-        Whether the file says which joints are driven.
-    has_home
-        Whether it states a pose of the platform.
-    gravity
-        The acceleration of gravity, shape (3,), if the file states it.
-    notes
-        What was ignored or assumed.
-    remarks
-        By the names of joints: properties that an instance file cannot state.
-    """
-
+    #: Of the file, as MJCF.
     format: str
+    #: What the file calls the machine.
     name: str
+    #: By their names.
     bodies: Mapping[str, Body]
+    #: In the order of the file.
     joints: tuple[Joint, ...]
+    #: The body that does not move, if the file has one.
     world: str | None = None
+    #: The unit of length.
     length: str = "m"
+    #: Whether the file says which joints are driven.
     drives_known: bool = False
+    #: Whether it states a pose of the platform.
     has_home: bool = True
+    #: The acceleration of gravity, shape (3,), if the file states it.
     gravity: Array | None = None
+    #: What was ignored or assumed.
     notes: tuple[str, ...] = ()
+    #: By the names of joints: properties that an instance file cannot state.
     remarks: Mapping[str, str] = field(default_factory=dict)
 
     @property

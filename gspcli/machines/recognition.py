@@ -51,26 +51,17 @@ Step = tuple[int, bool]
 
 @dataclass(frozen=True, eq=False)
 class Clusters:
-    """The bodies of a graph; bodies that rigid or held joints join are one cluster.
+    """The bodies of a graph; bodies that rigid or held joints join are one cluster."""
 
-    Attributes
-    ----------
-    graph
-        The machine.
-    joints
-        Its joints of at most one part each (`graph.split`).
-    held
-        The indices of the held ones.
-    of
-        For each body the one that stands for its cluster.
-    passive
-        The indices of the joints between clusters.
-    """
-
+    #: The machine.
     graph: Graph
+    #: Its joints of at most one part each (`graph.split`).
     joints: tuple[Joint, ...]
+    #: The indices of the held ones.
     held: frozenset[int]
+    #: For each body the one that stands for its cluster.
     of: dict[str, str]
+    #: The indices of the joints between clusters.
     passive: tuple[int, ...]
     _branches: dict[str, list[Step]]
 
@@ -136,39 +127,25 @@ _PLATFORM_WORDS = ("top", "platform", "head", "effector", "moving", "plate")
 
 @dataclass(frozen=True, eq=False)
 class ChainPart:
-    """A part of a joint in a chain.
+    """A part of a joint in a chain."""
 
-    Attributes
-    ----------
-    part
-        The part in the frame of the base, in the configuration of the file.
-    held
-        Whether it is held: driven.
-    where
-        Its place relative to the passive joints: ``base``, ``inside`` or ``platform``.
-    """
-
+    #: The part in the frame of the base, in the configuration of the file.
     part: Part
+    #: Whether it is held: driven.
     held: bool
+    #: Its place relative to the passive joints: ``base``, ``inside`` or ``platform``.
     where: str
 
 
 @dataclass(frozen=True, eq=False)
 class BodyChain:
-    """What joins the base and the platform.
+    """What joins the base and the platform."""
 
-    Attributes
-    ----------
-    name
-        The name of its drive, else of its first joint.
-    parts
-        From the base to the platform.
-    pose
-        The pose of the platform in the base along the chain, shape (4, 4).
-    """
-
+    #: The name of its drive, else of its first joint.
     name: str
+    #: From the base to the platform.
     parts: tuple[ChainPart, ...]
+    #: The pose of the platform in the base along the chain, shape (4, 4).
     pose: Array
 
     @property
@@ -184,21 +161,14 @@ class BodyChain:
 
 @dataclass(frozen=True, eq=False)
 class JoinedBodies:
-    """Two bodies and what joins them.
+    """Two bodies and what joins them."""
 
-    Attributes
-    ----------
-    base, platform
-        The bodies.
-    chains
-        From the base to the platform.
-    reason
-        Why this body is the base.
-    """
-
+    #: The bodies.
     base: str
     platform: str
+    #: From the base to the platform.
     chains: tuple[BodyChain, ...]
+    #: Why this body is the base.
     reason: str
 
 
@@ -395,17 +365,11 @@ ORDER = ("DPP", "ALL", "DPL", "DLP", "DPH", "DHP", "DLL")
 
 @dataclass(frozen=True, eq=False)
 class Primitives:
-    """Points or lines or planes of one body; of a point the direction is not used.
+    """Points or lines or planes of one body; of a point the direction is not used."""
 
-    Attributes
-    ----------
-    points
-        A point of each, shape (n, 3).
-    directions
-        The unit direction or normal of each, shape (n, 3); zeros for points.
-    """
-
+    #: A point of each, shape (n, 3).
     points: Array
+    #: The unit direction or normal of each, shape (n, 3); zeros for points.
     directions: Array
 
     @staticmethod
@@ -451,26 +415,17 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class CandidatePrimitives:
-    """Primitives of a chain in the configuration of the file, in the frame of the base.
+    """Primitives of a chain in the configuration of the file, in the frame of the base."""
 
-    Attributes
-    ----------
-    centres
-        Centres of balls and crossings of hinge axes: only these have distances of two points.
-    points
-        All points that can have a distance from a line or plane.
-    lines
-        The axes of hinges.
-    directions
-        Directions that can have angles: those of the lines.
-    planes
-        Normals, with any point: it is moved to where the distance is to be measured.
-    """
-
+    #: Centres of balls and crossings of hinge axes: only these have distances of two points.
     centres: Primitives
+    #: All points that can have a distance from a line or plane.
     points: Primitives
+    #: The axes of hinges.
     lines: Primitives
+    #: Directions that can have angles: those of the lines.
     directions: Primitives
+    #: Normals, with any point: it is moved to where the distance is to be measured.
     planes: Primitives
 
     def pairs(self, kind: str) -> tuple[Primitives, Primitives]:
@@ -584,24 +539,16 @@ _DEGENERATE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A constraint that a chain holds.
+    """A constraint that a chain holds."""
 
-    Attributes
-    ----------
-    kind
-        One of `ORDER`.
-    platform, base
-        One primitive each, in the frame of its body.
-    value
-        The distance, signed towards the normal of a plane, or the angle in radians.
-    change
-        The largest change of the value over random motions.
-    """
-
+    #: One of `ORDER`.
     kind: str
+    #: One primitive each, in the frame of its body.
     platform: Primitives
     base: Primitives
+    #: The distance, signed towards the normal of a plane, or the angle in radians.
     value: float
+    #: The largest change of the value over random motions.
     change: float
 
 
@@ -757,59 +704,39 @@ _SAMPLES = 17
 
 @dataclass(frozen=True, eq=False)
 class PointDrive:
-    """A crank or a rail, which moves the base's point of a constraint.
+    """A crank or a rail, which moves the base's point of a constraint."""
 
-    Attributes
-    ----------
-    axis
-        The unit axis of the crank, or direction of the rail, in the frame of the base, shape (3,).
-    limits
-        The least and the greatest angle (degrees) or way from where the point is; None if they are
-        not known, or more than a turn apart.
-    centre
-        The point of the axis of a crank that is nearest to the point, shape (3,); None of a rail.
-    radius
-        The distance of the point from it.
-    """
-
+    #: The unit axis of the crank, or direction of the rail, in the frame of the base, shape (3,).
     axis: Array
+    #: The least and the greatest angle (degrees) or way from where the point is; None if they are
+    #: not known, or more than a turn apart.
     limits: tuple[float, float] | None
+    #: The point of the axis of a crank that is nearest to the point, shape (3,); None of a rail.
     centre: Array | None = None
+    #: The distance of the point from it.
     radius: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """A constraint of a machine.
+    """A constraint of a machine."""
 
-    Attributes
-    ----------
-    held
-        The constraint.
-    chain
-        The name of the chain.
-    letters
-        The letters of its joints, such as RRP.
-    limits
-        The smallest and the largest value, if they are known; equal where nothing drives it.
-    driven
-        Whether a drive changes the value.
-    negative
-        Of a distance to a plane: whether the point lies where the normal does not point. The
-        limits are then those of the modulus.
-    drive
-        What moves the base's point of a distance of two points.
-    remarks
-        What an instance file cannot state.
-    """
-
+    #: The constraint.
     held: Held
+    #: The name of the chain.
     chain: str
+    #: The letters of its joints, such as RRP.
     letters: str
+    #: The smallest and the largest value, if they are known; equal where nothing drives it.
     limits: tuple[float, float] | None
+    #: Whether a drive changes the value.
     driven: bool
+    #: Of a distance to a plane: whether the point lies where the normal does not point. The limits
+    #: are then those of the modulus.
     negative: bool
+    #: What moves the base's point of a distance of two points.
     drive: PointDrive | None
+    #: What an instance file cannot state.
     remarks: tuple[str, ...]
 
 
@@ -969,36 +896,24 @@ _MOST_BODIES = 1500
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A platform that was recognized.
+    """A platform that was recognized."""
 
-    Attributes
-    ----------
-    graph
-        The graph in which it was recognized.
-    structure
-        Its base, its platform and its chains.
-    constraints
-        The six constraints.
-    pose
-        Of the platform in the base, as the file states it, shape (4, 4).
-    size
-        The diagonal of the box around all joints.
-    gap
-        How far the constraints are from their values at that pose: lengths, and angles times the
-        size.
-    notes
-        What was assumed, and what the file leaves open.
-    carried
-        The bodies of the file that move with the platform, and their poses in it.
-    """
-
+    #: The graph in which it was recognized.
     graph: Graph
+    #: Its base, its platform and its chains.
     structure: JoinedBodies
+    #: The six constraints.
     constraints: tuple[Found, ...]
+    #: Of the platform in the base, as the file states it, shape (4, 4).
     pose: Array
+    #: The diagonal of the box around all joints.
     size: float
+    #: How far the constraints are from their values at that pose: lengths, and angles times the
+    #: size.
     gap: float
+    #: What was assumed, and what the file leaves open.
     notes: tuple[str, ...]
+    #: The bodies of the file that move with the platform, and their poses in it.
     carried: tuple[tuple[str, Array], ...]
 
 

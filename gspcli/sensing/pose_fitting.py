@@ -55,24 +55,16 @@ _MOST_OFF = 3.0
 
 @dataclass(frozen=True, eq=False)
 class ReadingFit(EqualByContent):
-    """The differences of readings from the expected ones at the m real modes of a platform.
+    """The differences of readings from the expected ones at the m real modes of a platform."""
 
-    Attributes
-    ----------
-    result
-        The modes: real poses, in this order.
-    readings
-        The r readings.
-    expected
-        The expected readings of each sensor at each mode: r arrays of shape (m, 1), for
-        inclinometers (m, 2), in the units of the instance.
-    off
-        The differences of the readings from these, in their standard deviations, shape (m, r).
-    """
-
+    #: The modes: real poses, in this order.
     result: SolveResult
+    #: The r readings.
     readings: tuple[SensorReading, ...]
+    #: The expected readings of each sensor at each mode: r arrays of shape (m, 1), for
+    #: inclinometers (m, 2), in the units of the instance.
     expected: tuple[Array, ...]
+    #: The differences of the readings from these, in their standard deviations, shape (m, r).
     off: Array
 
     def __repr__(self) -> str:
@@ -460,33 +452,23 @@ _DECIMALS = 4
 
 @dataclass(frozen=True, eq=False)
 class FittedPose:
-    """A minimum of the sum of squares.
+    """A minimum of the sum of squares."""
 
-    Attributes
-    ----------
-    R, T
-        The pose, shapes (3, 3) and (3,).
-    chi_squared, freedom
-        The sum of squares of residuals over their deviations, and its degrees of freedom.
-    covariance
-        Of a small turn about the axes of the base (radians) and of T, shape (6, 6); infinite if
-        the measurements do not determine the pose.
-    residuals
-        Measured less fitted numbers over their standard deviations, shape (m,).
-    studentised
-        The same over their own deviations: a residual is smaller than an error, since the pose
-        follows it. NaN where no other measurement checks a number.
-    owners
-        The measurement of each number, shape (m,).
-    """
-
+    #: The pose, shapes (3, 3) and (3,).
     R: Array
     T: Array
+    #: The sum of squares of residuals over their deviations, and its degrees of freedom.
     chi_squared: float
     freedom: int
+    #: Of a small turn about the axes of the base (radians) and of T, shape (6, 6); infinite if the
+    #: measurements do not determine the pose.
     covariance: Array
+    #: Measured less fitted numbers over their standard deviations, shape (m,).
     residuals: Array
+    #: The same over their own deviations: a residual is smaller than an error, since the pose
+    #: follows it. NaN where no other measurement checks a number.
     studentised: Array
+    #: The measurement of each number, shape (m,).
     owners: NDArray[np.int64]
 
     @property

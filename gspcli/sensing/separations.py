@@ -130,35 +130,24 @@ def _heights(instance: Instance, R: Array, T: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Separations:
-    """How s sensors distinguish the modes at n sets of values.
+    """How s sensors distinguish the modes at n sets of values."""
 
-    Attributes
-    ----------
-    least
-        The smallest difference of the readings at a pair of modes, in standard deviations, shape
-        (s, n); infinite if there is at most one mode.
-    worst
-        The numbers of these modes, 0 where there are none, shape (s, n, 2).
-    modes
-        The number of modes, shape (n,).
-    complete
-        Whether all poses are known, shape (n,).
-    closest
-        The largest difference by any sensor of the pair for which this number is smallest, shape
-        (n,).
-    closest_modes
-        The numbers of that pair, shape (n, 2).
-    distance, turn
-        How far that pair is apart: the largest displacement of a point of the platform, in the unit
-        of length, and the angle of the turn, in radians; shape (n,).
-    """
-
+    #: The smallest difference of the readings at a pair of modes, in standard deviations, shape (s,
+    #: n); infinite if there is at most one mode.
     least: Array
+    #: The numbers of these modes, 0 where there are none, shape (s, n, 2).
     worst: Index
+    #: The number of modes, shape (n,).
     modes: Index
+    #: Whether all poses are known, shape (n,).
     complete: Flags
+    #: The largest difference by any sensor of the pair for which this number is smallest, shape
+    #: (n,).
     closest: Array
+    #: The numbers of that pair, shape (n, 2).
     closest_modes: Index
+    #: How far that pair is apart: the largest displacement of a point of the platform, in the unit
+    #: of length, and the angle of the turn, in radians; shape (n,).
     distance: Array
     turn: Array
 

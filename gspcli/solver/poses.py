@@ -47,18 +47,12 @@ class Grade(StrEnum):
 
 @dataclass(frozen=True)
 class Proof:
-    """Why there are no other poses, or why there are infinitely many.
+    """Why there are no other poses, or why there are infinitely many."""
 
-    Attributes
-    ----------
-    by
-        The count that decides.
-    error
-        Bound of the probability that the random prime of the count is a bad one; 0 if the
-        count holds for every prime.
-    """
-
+    #: The count that decides.
     by: CountKind
+    #: Bound of the probability that the random prime of the count is a bad one; 0 if the count
+    #: holds for every prime.
     error: float = 0.0
 
     @classmethod
@@ -118,27 +112,19 @@ class PoseBatch(Poses):
     """All poses for each of b sets of values; rows are filled up to the longest with NaN.
 
     The arrays of `Poses` have the shape (b, n, ...), in the frames and units of the instance.
-
-    Attributes
-    ----------
-    arrangement, values
-        The geometry, and the sets of values with the offsets of the instance added, shape (b, 6).
-    number
-        How many distinct poses each set has, shape (b,).
-    complete
-        For which sets the poses are all that there are: the account of paths adds up to the
-        verdict ``complete``; shape (b,).
-    proved
-        For which of them that is proved, for certain or up to a random prime, shape (b,).
-    others
-        The `PoseSet` of each set with special or wrong values, with account, motions and proof.
     """
 
+    #: The geometry, and the sets of values with the offsets of the instance added, shape (b, 6).
     arrangement: Arrangement
     values: Array
+    #: How many distinct poses each set has, shape (b,).
     number: NDArray[np.int64]
+    #: For which sets the poses are all that there are: the account of paths adds up to the verdict
+    #: ``complete``; shape (b,).
     complete: NDArray[np.bool_]
+    #: For which of them that is proved, for certain or up to a random prime, shape (b,).
     proved: NDArray[np.bool_]
+    #: The `PoseSet` of each set with special or wrong values, with account, motions and proof.
     others: Mapping[int, PoseSet]
 
     def __len__(self) -> int:

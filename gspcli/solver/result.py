@@ -43,17 +43,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Counts:
-    """How many poses of which sort.
+    """How many poses of which sort."""
 
-    Attributes
-    ----------
-    found
-        Distinct finite isolated solutions.
-    real, certified, singular
-        How many of those are real, are certified, have a multiplicity above one.
-    """
-
+    #: Distinct finite isolated solutions.
     found: int
+    #: How many of those are real, are certified, have a multiplicity above one.
     real: int
     certified: int
     singular: int
@@ -61,46 +55,32 @@ class Counts:
 
 @dataclass(frozen=True, eq=False)
 class Solution(EqualByContent):
-    """One pose.
+    """One pose."""
 
-    Attributes
-    ----------
-    number
-        From 1 in the order of the result, as `gsp solve` and its CSV have it.
-    real, certified
-        Whether the pose is real, and whether that and its existence are proved.
-    multiplicity
-        How many paths end at it.
-    R, T
-        Rotation (3, 3) and translation (3,), complex for a pose that is not real.
-    quaternion
-        Of the rotation, scalar first, ``e.e = 1``, shape (4,).
-    residual
-        The largest difference between what a constraint measures and its value, in the units
-        of the instance (lengths and angles alike).
-    condition
-        Condition number of the pose (`gspcli.geometry.measurement.condition_numbers`).
-    sides
-        For each DPH and DHP constraint, by its number from 1: ``positive`` or ``negative``.
-        Without those at a height of zero, or whose sign neither doubles nor a proof tells.
-    limits
-        The ranges and cones that the pose does not keep; None if it is not real, or the instance
-        has none.
-    home
-        Whether it is the home mode (`gspcli.geometry.home_mode`).
-    """
-
+    #: From 1 in the order of the result, as `gsp solve` and its CSV have it.
     number: int
+    #: Whether the pose is real, and whether that and its existence are proved.
     real: bool
     certified: bool
+    #: How many paths end at it.
     multiplicity: int
+    #: Rotation (3, 3) and translation (3,), complex for a pose that is not real.
     R: Field
     T: Field
+    #: Of the rotation, scalar first, ``e.e = 1``, shape (4,).
     quaternion: Field
+    #: The largest difference between what a constraint measures and its value, in the units of the
+    #: instance (lengths and angles alike).
     residual: float
+    #: Condition number of the pose (`gspcli.geometry.measurement.condition_numbers`).
     condition: float
+    #: For each DPH and DHP constraint, by its number from 1: ``positive`` or ``negative``. Without
+    #: those at a height of zero, or whose sign neither doubles nor a proof tells.
     sides: Mapping[int, str]
+    #: The ranges and cones that the pose does not keep; None if it is not real, or the instance has
+    #: none.
     limits: tuple[LeftLimit, ...] | None = None
+    #: Whether it is the home mode (`gspcli.geometry.home_mode`).
     home: bool = False
 
     def __repr__(self) -> str:

@@ -21,20 +21,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class CheckedFile(EqualByContent):
-    """The check of one file.
+    """The check of one file."""
 
-    Attributes
-    ----------
-    name
-        The name of the file.
-    instance
-        The platform; None if the file has mistakes.
-    mistakes, warnings
-        Its mistakes, and remarks about unusual content, each with its place.
-    """
-
+    #: The name of the file.
     name: str
+    #: The platform; None if the file has mistakes.
     instance: Instance | None
+    #: Its mistakes, and remarks about unusual content, each with its place.
     mistakes: tuple[Mistake, ...] = ()
     warnings: tuple[Mistake, ...] = ()
 

@@ -24,14 +24,9 @@ _OF_RADIANS = re.compile(r"\b(sin|cos|tan)\(\s*[-+]?\s*((?=[\d.]*[1-9])[\d.]+)\s
 
 @dataclass(frozen=True)
 class Reading:
-    """The content of a file.
+    """The content of a file."""
 
-    Attributes
-    ----------
-    instance
-        The instance.
-    """
-
+    #: The instance.
     instance: Instance
     _reader: FileChecker
 

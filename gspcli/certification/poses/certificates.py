@@ -77,60 +77,42 @@ _MEANINGS = {
 
 @dataclass(frozen=True)
 class Certificate:
-    """The proved properties of one candidate.
+    """The proved properties of one candidate."""
 
-    Attributes
-    ----------
-    outcome
-        `Outcome.CERTIFIED`, or the reason why nothing is proved.
-    real
-        True if the solution is proved to be real, False if it is proved not to be, else None.
-    error
-        Proved bound of the distance between the solution and `isolation.centre`, in Study
-        coordinates (lengths by the scale of the instance).
-    uniqueness
-        Radius of the ball about that centre in which there is no other solution with the
-        same sides.
-    deviation
-        Proved bound of the difference between the candidate and the solution in any entry of R
-        and of T, the latter divided by `length`.
-    length
-        The unit of deviations of T: `Certificates.least_length`. If T is larger than eight scales,
-        so that it has a relative error, the unit is the scale.
-    residual_bound
-        For real solutions: proved bound of the difference between the values measured on the
-        candidate (its given numbers are exact) and the stated values, in the units of the instance.
-    sides
-        For each constraint the side on which the point of a real solution is proved to lie, and
-        that of its equation for another; None where a constraint has no sides, the distance is
-        zero or nothing is proved, and for a solution that may be either.
-    same_as
-        Index of the first candidate that is proved to approximate the same solution.
-    unresolved
-        Indices of the candidates whose solutions are proved to be neither the same nor different,
-        and of those that approximate the same solution, but have another solution as near in
-        doubles.
-    precision
-        Bits of the last attempt.
-    isolation
-        The proof, from which the solution can be refined.
-    equivalent
-        The instance whose equations the proof uses, if it is not the given one: it has the same
-        poses, and points for lines that are parallel at every pose.
-    """
-
+    #: `Outcome.CERTIFIED`, or the reason why nothing is proved.
     outcome: Outcome
+    #: Bits of the last attempt.
     precision: int
+    #: True if the solution is proved to be real, False if it is proved not to be, else None.
     real: bool | None = None
+    #: Proved bound of the distance between the solution and `isolation.centre`, in Study
+    #: coordinates (lengths by the scale of the instance).
     error: float | None = None
+    #: Radius of the ball about that centre in which there is no other solution with the same sides.
     uniqueness: float | None = None
+    #: Proved bound of the difference between the candidate and the solution in any entry of R and
+    #: of T, the latter divided by `length`.
     deviation: float | None = None
+    #: For real solutions: proved bound of the difference between the values measured on the
+    #: candidate (its given numbers are exact) and the stated values, in the units of the instance.
     residual_bound: float | None = None
+    #: For each constraint the side on which the point of a real solution is proved to lie, and that
+    #: of its equation for another; None where a constraint has no sides, the distance is zero or
+    #: nothing is proved, and for a solution that may be either.
     sides: tuple[Side | None, ...] | None = None
+    #: Index of the first candidate that is proved to approximate the same solution.
     same_as: int | None = None
+    #: Indices of the candidates whose solutions are proved to be neither the same nor different,
+    #: and of those that approximate the same solution, but have another solution as near in
+    #: doubles.
     unresolved: tuple[int, ...] = ()
+    #: The proof, from which the solution can be refined.
     isolation: Isolation | None = field(default=None, repr=False)
+    #: The instance whose equations the proof uses, if it is not the given one: it has the same
+    #: poses, and points for lines that are parallel at every pose.
     equivalent: Instance | None = field(default=None, repr=False)
+    #: The unit of deviations of T: `Certificates.least_length`. If T is larger than eight scales,
+    #: so that it has a relative error, the unit is the scale.
     length: float | None = None
 
     @property
@@ -262,22 +244,16 @@ class RefinedPose:
     """A solution in decimals.
 
     Every printed number differs from the exact one by less than 0.51 units of its last place.
-
-    Attributes
-    ----------
-    R, T
-        The rotation by rows and the translation in length units; real parts, if the
-        solution is not proved real.
-    R_imag, T_imag
-        The imaginary parts, or None if the solution is proved real.
-    precision
-        Bits that were needed.
     """
 
+    #: The rotation by rows and the translation in length units; real parts, if the solution is not
+    #: proved real.
     R: Rows
     T: Triple
+    #: The imaginary parts, or None if the solution is proved real.
     R_imag: Rows | None
     T_imag: Triple | None
+    #: Bits that were needed.
     precision: int
 
 

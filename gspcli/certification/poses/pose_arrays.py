@@ -18,29 +18,20 @@ Bits = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Poses(EqualByContent):
-    """Poses; all arrays have the same leading axes (...), of which the last one counts poses.
+    """Poses; all arrays have the same leading axes (...), of which the last one counts poses."""
 
-    Attributes
-    ----------
-    quaternions
-        Of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`, shape (..., 4),
-        complex.
-    R, T
-        Rotations (..., 3, 3) and translations (..., 3), complex; those of real poses are exactly
-        real.
-    real
-        Which of them are real, shape (...).
-    certified
-        Which of them are proved to exist, to be simple, and to be real or not, shape (...).
-    multiplicity
-        How many paths end at each, shape (...): 1 for certified ones, 0 where there is no pose.
-    """
-
+    #: Of the rotations, ``e.e = 1``, with the sign of `quaternion_from_rotation`, shape (..., 4),
+    #: complex.
     quaternions: Complex
+    #: Rotations (..., 3, 3) and translations (..., 3), complex; those of real poses are exactly
+    #: real.
     R: Complex
     T: Complex
+    #: Which of them are real, shape (...).
     real: Bits
+    #: Which of them are proved to exist, to be simple, and to be real or not, shape (...).
     certified: Bits
+    #: How many paths end at each, shape (...): 1 for certified ones, 0 where there is no pose.
     multiplicity: NDArray[np.int64]
 
     #: What there is one of for each pose.
@@ -93,20 +84,13 @@ class Poses(EqualByContent):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PoseProofs(Poses):
-    """Poses near approximate ones, and what is proved of each.
+    """Poses near approximate ones, and what is proved of each."""
 
-    Attributes
-    ----------
-    rounded
-        For which certified ones the numbers are settled, shape (...): each number of a real one is
-        proved to be rounded correctly (`correct_rounding`), those of others are within 2^-53 of the
-        largest.
-    deviation
-        Bounds of the errors of certified ones in any entry of R, and of T by the scale; shape
-        (...).
-    """
-
+    #: For which certified ones the numbers are settled, shape (...): each number of a real one is
+    #: proved to be rounded correctly (`correct_rounding`), those of others are within 2^-53 of the
+    #: largest.
     rounded: Bits
+    #: Bounds of the errors of certified ones in any entry of R, and of T by the scale; shape (...).
     deviation: Array
 
     OF_POSES: ClassVar[tuple[str, ...]] = (*Poses.OF_POSES, "rounded", "deviation")

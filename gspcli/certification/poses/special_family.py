@@ -69,24 +69,16 @@ Numbers = list[acb]
 
 @dataclass(frozen=True)
 class SpecialFamily:
-    """A platform, the one with s = 1, among those with its small differences multiplied by s.
+    """A platform, the one with s = 1, among those with its small differences multiplied by s."""
 
-    Attributes
-    ----------
-    instance
-        The platform.
-    differences
-        For each constraint the differences: by the name of a point or a direction of its
-        `Statement` a vector in the same units.
-    size
-        The largest of them, as an angle or as a part of the distance of two points.
-    bits
-        Bits of equations for each bit of the differences, and additional ones.
-    """
-
+    #: The platform.
     instance: Instance
+    #: For each constraint the differences: by the name of a point or a direction of its `Statement`
+    #: a vector in the same units.
     differences: tuple[Mapping[str, Sequence[arb]], ...]
+    #: The largest of them, as an angle or as a part of the distance of two points.
     size: float
+    #: Bits of equations for each bit of the differences, and additional ones.
     bits: tuple[int, int]
 
     @property

@@ -26,24 +26,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class RowLeg:
-    """A leg.
+    """A leg."""
 
-    Attributes
-    ----------
-    name
-        What the file calls it.
-    base, platform
-        Its joints, each in the frame of its body, shape (3,).
-    length
-        Its length; None for the length at the pose of the file.
-    low, high
-        The range of the length.
-    """
-
+    #: What the file calls it.
     name: str
+    #: Its joints, each in the frame of its body, shape (3,).
     base: Array
     platform: Array
+    #: Its length; None for the length at the pose of the file.
     length: float | None = None
+    #: The range of the length.
     low: float = 0.0
     high: float = math.inf
 

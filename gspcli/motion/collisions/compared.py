@@ -416,18 +416,12 @@ def slips_near(
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """The gaps of p pairs of legs and bodies at n poses.
+    """The gaps of p pairs of legs and bodies at n poses."""
 
-    Attributes
-    ----------
-    pairs
-        Names of the p pairs, such as ``legs 2 and 5`` or ``leg 3 and the base``. A leg has the
-        number of its constraint.
-    values
-        The gaps, shape (n, p), in the unit of length; negative where the shapes overlap.
-    """
-
+    #: Names of the p pairs, such as ``legs 2 and 5`` or ``leg 3 and the base``. A leg has the
+    #: number of its constraint.
     pairs: tuple[str, ...]
+    #: The gaps, shape (n, p), in the unit of length; negative where the shapes overlap.
     values: Array
 
     def __repr__(self) -> str:

@@ -30,26 +30,18 @@ _MOST_OPEN = 500
 
 @dataclass(frozen=True)
 class Travel:
-    """The travel of one parameter from home while the others stay constant.
+    """The travel of one parameter from home while the others stay constant."""
 
-    Attributes
-    ----------
-    axis
-        The parameter, one of x, y, z, rx, ry, rz.
-    reached
-        Two changes, at most 0 and at least 0, in the units of the instance: every pose between them
-        is proved to keep the limits.
-    ends
-        Two changes: a limit is proved to be violated between home and each of them. Infinite if no
-        such change was found (within a whole turn, or a hundred typical lengths for positions).
-    stops
-        The limits that end the travel, in words: those that are undecided between ``reached`` and
-        ``ends``.
-    """
-
+    #: The parameter, one of x, y, z, rx, ry, rz.
     axis: str
+    #: Two changes, at most 0 and at least 0, in the units of the instance: every pose between them
+    #: is proved to keep the limits.
     reached: tuple[float, float]
+    #: Two changes: a limit is proved to be violated between home and each of them. Infinite if no
+    #: such change was found (within a whole turn, or a hundred typical lengths for positions).
     ends: tuple[float, float]
+    #: The limits that end the travel, in words: those that are undecided between ``reached`` and
+    #: ``ends``.
     stops: tuple[tuple[str, ...], tuple[str, ...]]
 
 
