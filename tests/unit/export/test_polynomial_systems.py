@@ -1,11 +1,30 @@
 """Exported equations vanish at the poses of the solver, in all coordinates, and nowhere near."""
 
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from gspcli.catalogue.kinds import KINDS_BY_NAME
 from gspcli.export.answers import read_answer
 from gspcli.export.formats import FORMATS, SystemFormat
-from gspcli.export.polynomial_systems import MOTIONS, system
+from gspcli.export.polynomial_systems import (
+    MOTIONS,
+    Constants,
+    Polynomial,
+    Style,
+    cross,
+    dot,
+    system,
+)
+from gspcli.geometry.instance import AngleUnit, Constraint
+from gspcli.geometry.numbers import parse_number
+from gspcli.geometry.primitives import Line, vector
 from gspcli.geometry.quaternions import study_from_pose
 from gspcli.resources import instance_files
 from gspcli.solver import solve
@@ -143,3 +162,138 @@ def test_boxes_of_msolve_are_told_apart_by_what_they_satisfy():
 @pytest.mark.parametrize("text", ['[{"R": []}]', "qw,qx,qy,qz,tx,ty,tz\n1,0,0,0,0,0,0\n", ""])
 def test_other_files_are_left_to_others(text):
     assert read_answer(text, "x") is None
+
+
+# Exact numbers of instances: rational where they are, one name for each irrational one.
+
+
+LINE = Line(vector(0, 0, 0), vector(0, 0, 1))
+
+
+def value(polynomial, constants):
+    return float(
+        polynomial.replaced(
+            {name: Fraction(number.value) for name, number in constants.names.items()}
+        ).value
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("1/3 + 0.5*2", Fraction(4, 3)),
+        ("sqrt(9/4)", Fraction(3, 2)),
+        ("sqrt(2)*sqrt(2)", 2),
+        ("sqrt(8)*sqrt(2)", 4),
+        ("-(sqrt(3)*sqrt(3)/2)", Fraction(-3, 2)),
+        ("sqrt(sqrt(16))", 2),
+    ],
+)
+def test_rational_numbers_stay_rational(text, expected):
+    assert Constants().number(parse_number(text)).value == expected
+
+
+@pytest.mark.parametrize("text", ["1 + sqrt(3)/4", "pi/sqrt(2)", "cos(1)*2 - sqrt(12)", "atan(2)"])
+def test_irrational_numbers_have_their_value(text):
+    constants = Constants()
+    number = parse_number(text)
+    assert value(constants.number(number), constants) == pytest.approx(number.value, rel=1e-14)
+
+
+def test_a_number_has_one_name():
+    constants = Constants()
+    constants.vector([parse_number("sqrt(3)"), parse_number("1 - sqrt(3)/2"), parse_number("pi")])
+    assert [str(number) for number in constants.names.values()] == ["sqrt(3)", "pi"]
+
+
+def test_norms_of_irrational_vectors():
+    constants = Constants()
+    vee = [parse_number(text) for text in ("1/2", "-sqrt(3)/2", "1")]
+    square = constants.norm(vee) * constants.norm(vee)
+    assert constants.reduced(square).value == 2
+    other = [parse_number(text) for text in ("1", "pi", "0")]
+    assert value(constants.norm(other), constants) == pytest.approx(math.hypot(1, math.pi))
+
+
+@pytest.mark.parametrize(
+    ("kind", "angle", "unit", "expected"),
+    [
+        ("ALL", "60", "deg", Fraction(1, 2)),
+        ("AHH", "60", "deg", Fraction(-1, 2)),
+        ("ALH", "30", "deg", Fraction(1, 2)),
+        ("AHL", "-90", "deg", -1),
+        ("ALL", "acos(1/3)*180/pi", "deg", Fraction(1, 3)),
+        ("AHH", "acos(1/3)", "rad", Fraction(-1, 3)),
+        ("ALH", "asin(2/7)", "rad", Fraction(2, 7)),
+        ("ALL", "0", "rad", 1),
+    ],
+)
+def test_cosines_that_are_rational(kind, angle, unit, expected):
+    row = Constraint(KINDS_BY_NAME[kind], LINE, LINE, parse_number(angle))
+    assert Constants().cosine(row, AngleUnit(unit)).value == expected
+
+
+@pytest.mark.parametrize(
+    ("kind", "angle", "unit"),
+    [("ALL", "41.37", "deg"), ("ALH", "-17", "deg"), ("AHH", "1.2", "rad"), ("AHL", "0.3", "rad")],
+)
+def test_other_cosines_have_their_value(kind, angle, unit):
+    constants = Constants()
+    row = Constraint(KINDS_BY_NAME[kind], LINE, LINE, parse_number(angle))
+    radians = float(angle) * AngleUnit(unit).in_radians
+    expected = {"ALL": math.cos, "AHH": lambda a: -math.cos(a)}.get(kind, math.sin)(radians)
+    assert value(constants.cosine(row, AngleUnit(unit)), constants) == pytest.approx(expected)
+
+
+# Exact polynomials: ring laws by evaluation, and how programs are given them.
+
+
+NAMES_OF_POLYNOMIALS = ("a", "b", "c")
+POINT = {"a": Fraction(3, 2), "b": Fraction(-5), "c": Fraction(7, 3)}
+terms = st.dictionaries(
+    st.lists(st.sampled_from(NAMES_OF_POLYNOMIALS), max_size=3).map(sorted).map(tuple),
+    st.fractions(-9, 9, max_denominator=7).filter(bool),
+    max_size=4,
+)
+polynomials = terms.map(Polynomial)
+
+
+def at(polynomial: Polynomial) -> Fraction:
+    value = polynomial.replaced(POINT).value
+    assert value is not None
+    return value
+
+
+@given(polynomials, polynomials)
+def test_sums_and_products_evaluate(p, q):
+    assert at(p + q) == at(p) + at(q)
+    assert at(p - q) == at(p) - at(q)
+    assert at(p * q) == at(p) * at(q)
+    assert at(2 - p) == 2 - at(p)
+    assert p + (-p) == Polynomial({})
+    assert all((p * q).terms.values())
+
+
+def test_vectors():
+    a = [Polynomial.symbol(name) for name in NAMES_OF_POLYNOMIALS]
+    assert dot(a, cross(a, [1, 2, 3])) == Polynomial({})
+    assert at(cross(a, [1, 0, 0])[1]) == POINT["c"]
+
+
+def test_denominators_are_cleared():
+    p = Polynomial({("a",): Fraction(1, 6), (): Fraction(-3, 4)})
+    assert p.cleared == {("a",): 2, (): -9}
+    assert p.value is None
+    assert Polynomial.constant(3).value == 3
+    assert Polynomial.constant(0).value == 0
+
+
+def test_programs_write_differently():
+    p = {("a", "a", "b"): Fraction(-1, 2), (): Fraction(3)}
+    assert Style().written(p) == "-1/2*a^2*b+3"
+    assert Style(power="**", quotient="//").written(p) == "-1//2*a**2*b+3"
+    assert Style().written({}) == "0"
+    complex_terms = [(1 + 2j, ("a",)), (0.5, ())]
+    assert Style(imaginary="ii", exponent="E").written(complex_terms) == (
+        "(+1.0000000000000000E+00+2.0000000000000000E+00*ii)*a+5.0000000000000000E-01"
+    )

@@ -1,3 +1,7 @@
+"""None"""
+
+from __future__ import annotations
+
 import math
 import random
 from dataclasses import replace
@@ -8,7 +12,7 @@ from flint import fmpz
 
 from gspcli import hexapod
 from gspcli.catalogue.bounds import varieties
-from gspcli.certification.counting import count_exactly
+from gspcli.certification.counting import count_exactly, error_bounds
 from gspcli.certification.counting.error_bounds import (
     ErrorBounds,
     MinorBits,
@@ -137,3 +141,24 @@ def test_logarithms_are_rounded_upwards() -> None:
         assert 2**bits >= x
         assert _log_above(-x) == bits
         assert bits == 0 or x * 4 > 2**bits
+
+
+# The probability that random forms and combinations mislead, for any prime.
+
+
+def test_what_is_random_besides_the_prime_may_mislead(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the lemma of Schwartz and Zippel: at most the degree by the number of random numbers."""
+    monkeypatch.setattr(error_bounds, "PRIMES", math.inf)
+    bits = MinorBits(height=10.0, variety=varieties()["R,T,U,rho"], moments=0)
+    bounds = ErrorBounds(bits, 1, is_rational=True)
+    drawn = 2.0**60
+    # Combinations of commutators, of degree 3, fewer than a hundred.
+    assert bounds.count(6, finite=True) >= 300 / drawn
+    # A form takes one value at two of n points, or a projection loses one of n factors.
+    for points in (2, 40, 100):
+        pairs = points * (points - 1) / 2
+        assert bounds.distinct(6, points) >= (pairs + points) / drawn
+        assert bounds.spurious(6, points, 1) >= (pairs + points) / drawn
+        # A random vector hides that a condition does not vanish at one of the points.
+        assert bounds.vanishing(6, points, 3) >= 3 * points / drawn
+    assert replace(bounds, is_rational=False).count(6, finite=True) > bits.finite(6) / drawn

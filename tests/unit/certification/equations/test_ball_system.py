@@ -1,3 +1,5 @@
+"""None"""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -151,3 +153,14 @@ def test_the_jacobian_varies_no_more_than_its_curvature_allows(names: str, known
             _, after = system.at([acb(x) for x in (centre + shift).tolist()], (0,) * 6)
             change = np.array([[float_above(x) for x in r] for r in (after - before).tolist()])
             assert (change.sum(axis=1) <= bounds * radius).all()
+
+
+# Poses of Study points in balls.
+
+
+def test_a_ball_that_holds_a_point_without_norm_is_no_pose() -> None:
+    """N is zero for (1, i, 0, 0): also away from the middle of the ball."""
+    rest = [acb(0)] * 6
+    for middle, radius, is_pose in ((1 + 1e-10, 1e-9, False), (1 + 1e-8, 1e-9, True)):
+        point = [acb(1), acb(0, arb(middle, radius)), *rest]
+        assert (pose_of_point(point) is not None) is is_pose

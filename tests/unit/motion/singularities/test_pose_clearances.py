@@ -1,3 +1,5 @@
+"""None"""
+
 from __future__ import annotations
 
 import numpy as np
@@ -13,6 +15,7 @@ from gspcli.motion.singularities.pose_clearances import (
     Screws,
     pose_clearance,
     pose_clearances,
+    regular,
 )
 from gspcli.resources import data_path
 
@@ -132,3 +135,14 @@ def test_points_on_a_line_are_refused():
     instance, R, T = platform("6PP", 0)
     with pytest.raises(ArgumentError, match="points: the points of the platform lie on a line"):
         pose_clearances(instance, R[None], T[None], points=[[0, 0, 0], [1, 1, 0], [2, 2, 0]])
+
+
+# The sign that a matrix of screws is proved to have is that of its determinant.
+
+
+def test_the_sign_is_that_of_the_determinant() -> None:
+    rng = np.random.default_rng(1)
+    rows = rng.normal(size=(40, 6, 6))
+    nothing = np.zeros((40, 6, 6, 6)), np.zeros((40, 6, 6))
+    found, _ = regular(rows, *nothing, cube=True)
+    np.testing.assert_array_equal(found, np.sign(np.linalg.det(rows)))

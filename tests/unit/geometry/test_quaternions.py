@@ -1,31 +1,149 @@
-"""."""
+"""Which real pose is home: nearest to the stated one, else the least turned, then the highest."""
 
 from __future__ import annotations
 
 import itertools
-from itertools import permutations
+from dataclasses import replace
+from itertools import combinations_with_replacement, permutations
 from math import cos, radians, sin
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from gspcli import _kernel
+from gspcli.catalogue.kinds import ALL, DISTANCE_KINDS, DLL, DLP, DPL, DPP
+from gspcli.catalogue.types import GspType
 from gspcli.errors import GspError
+from gspcli.geometry.arrangement import Arrangement
 from gspcli.geometry.euler import MAKERS, euler_from_rotation, named_order, rotation_from_euler
+from gspcli.geometry.home_mode import home_mode
+from gspcli.geometry.instance import HomePose
+from gspcli.geometry.measurement import measured
 from gspcli.geometry.quaternions import (
     apply,
     conjugate,
     dot,
     made_real,
+    normalized,
     pose_from_study,
     quaternion_from_rotation,
     quaternion_product,
     rotation_from_quaternion,
     rotation_from_vector,
+    stable_order,
     study_from_pose,
     vector_from_rotation,
 )
+from gspcli.geometry.random_instances import random_instance
+from gspcli.geometry.three_angles import Measures, measures
 from gspcli.motion.files.pose_files import PoseFormat, read_poses
+from gspcli.resources import instance_files
+from gspcli.solver import solve
+from gspcli.spec import load
+
+HEXAPOD = load(instance_files()["simmechanics-hexapod"])
+LOOSE = replace(HEXAPOD, home=None)
+
+
+def test_the_pose_nearest_to_the_stated_home():
+    result = solve(HEXAPOD)
+    R, T = result.R[result.real].real, result.T[result.real].real
+    for k in range(len(R)):
+        near = HomePose(list(T[k] + [0.01, 0, -0.02]), list(result.quaternions[k].real))
+        found = home_mode(replace(HEXAPOD, home=near), R, T)
+        assert (found.number, found.stated, found.count) == (k + 1, True, len(R))
+        assert (R[k] == found.R).all()
+        assert (T[k] == found.T).all()
+        assert found.reason.startswith("nearest to the stated home, 0.0224 m and ")
+
+
+def test_a_stated_home_in_angles_is_the_same_pose():
+    given = HomePose([0, 0, 2], euler="xyz", angles=[10, -20, 30])
+    turn = given.R(np.pi / 180)
+    x, y, z = (
+        rotation_from_vector(np.deg2rad(a) * e)
+        for a, e in zip((10, -20, 30), np.eye(3), strict=True)
+    )
+    assert turn == pytest.approx(z @ y @ x, abs=1e-15)
+
+
+def test_without_one_the_least_turned_and_then_the_highest():
+    upper, lower = np.array([[0, 0, 2.0], [0, 0, -2.0]])
+    turned = rotation_from_vector(np.array([0, 0, 0.1]))
+    R = np.stack([turned, np.eye(3), np.eye(3)])
+    found = home_mode(LOOSE, R, np.stack([upper, lower, upper]))
+    assert (found.number, found.stated, found.equal) == (3, False, 2)
+    found = home_mode(LOOSE, R[:2], np.stack([upper, lower]))
+    assert (found.number, found.equal) == (2, 1)
+    assert home_mode(LOOSE, R[:0], np.zeros((0, 3))) is None
+
+
+def test_equal_is_what_differs_by_less_than_a_millionth():
+    T = np.array([[0, 0, -2.0], [0, 0, 2.0]])
+    for turn, number in ((0.5e-6, 2), (2e-6, 1)):
+        R = np.stack([np.eye(3), rotation_from_vector(np.array([turn, 0, 0]))])
+        assert home_mode(LOOSE, R, T).number == number
+
+
+def test_the_mode_is_marked_in_every_form():
+    result = solve(HEXAPOD)
+    number = result.home.number
+    assert [s.number for s in result.solutions if s.home] == [number]
+    frame = result.to_frame()
+    assert frame.index[frame["home"]].tolist() == [number]
+    document = result.to_json()
+    assert document["home"] == {
+        "mode": number,
+        "stated": True,
+        "reason": "nearest to the stated home",
+    }
+    assert [s["number"] for s in document["solutions"] if s["home"]] == [number]
+
+
+@pytest.mark.parametrize(
+    ("quaternion", "euler"), [([0, 0, 0, 0], None), ([1, 0, 0], None), ([1, 0, 0, 0], "ZYX")]
+)
+def test_what_is_no_home(quaternion, euler):
+    with pytest.raises(ValueError, match="quaternion"):
+        HomePose([0, 0, 0], quaternion, euler=euler)
+
+
+# The order of poses, against NumPy's sort of the same rounded numbers.
+
+
+def test_poses_are_sorted_by_what_is_rounded_to_nine_decimals_then_by_the_rest():
+    rng = np.random.default_rng(5)
+    # Few different numbers, off by less than what counts: ties of every sort.
+    numbers = rng.integers(-1, 2, (400, 7)) + 1j * rng.integers(0, 2, (400, 7))
+    numbers = numbers + rng.uniform(-1e-10, 1e-10, numbers.shape)
+    real = rng.random(400) < 0.5
+    q, T = numbers[:, :4], 250.0 * numbers[:, 4:]
+    rounded = np.concatenate((q, T / 100.0), axis=1).view(float).round(9)
+    exact = np.concatenate((q, T), axis=1).view(float)
+    parts = ~real[:, None], rounded[:, ::2], rounded[:, 1::2], exact[:, ::2], exact[:, 1::2]
+    expected = np.lexsort(np.concatenate(parts, axis=1).T[::-1])
+    np.testing.assert_array_equal(stable_order(real, q, T, 250.0), expected)
+
+
+def test_the_order_in_which_poses_were_found_does_not_matter():
+    rng = np.random.default_rng(6)
+    q = np.tile([0.6, 0.8, 0, 0], (20, 1)) + 1e-13j * rng.integers(-2, 3, (20, 4))
+    T, real = np.ones((20, 3), complex), np.zeros(20, bool)
+    shuffled = rng.permutation(20)
+    first, second = (q[k][stable_order(real, q[k], T, 1.0)] for k in (np.arange(20), shuffled))
+    np.testing.assert_array_equal(first, second)
+
+
+def test_real_poses_come_first_and_none_is_no_order():
+    q = np.array([[1, 0, 0, 0], [2, 0, 0, 0]], complex)
+    T = np.zeros((2, 3), complex)
+    assert stable_order(np.array([False, True]), q, T, 1.0).tolist() == [1, 0]
+    assert stable_order(np.zeros(0, bool), q[:0], T[:0], 1.0).tolist() == []
+
+
+# .
 
 
 def quaternions(field: str, count: int = 20) -> np.ndarray:
@@ -264,3 +382,112 @@ def test_three_letters_without_a_position_are_no_turns():
 
 def test_real_points_have_real_representatives_of_norm_one():
     np.testing.assert_allclose(made_real(np.array([1j, 3j])), np.array([1, 3]) / np.sqrt(10))
+
+
+# The surfaces of distances against what the constraints mean.
+
+
+TRIPLES = list(combinations_with_replacement(DISTANCE_KINDS, 3))
+
+
+class Surfaces(NamedTuple):
+    """Surfaces at f rotations (native/closed_form.cpp)."""
+
+    planes: np.ndarray
+    """Of each combination of sides: of heights, then of circles; (f, s, planes, 4)."""
+    quadrics: np.ndarray
+    """Spheres, then cylinders, (f, squares, 4, 4)."""
+    basis: np.ndarray
+    """Of the f with ``e.f = 0``, (f, 4, 3)."""
+    skewness: np.ndarray
+
+
+def surfaces(shapes: Measures, e: np.ndarray, distances: np.ndarray) -> Surfaces:
+    """Return the surfaces at quaternions (f, 4) of norm 1 for distances (f, 3)."""
+    found = _kernel.surfaces(
+        shapes.forms,
+        shapes.spheres,
+        shapes.skew,
+        shapes.signs,
+        shapes.basis,
+        np.ascontiguousarray(e),
+        np.ascontiguousarray(distances[:, shapes.flat]),
+        np.ascontiguousarray(distances[:, shapes.curved]),
+    )
+    return Surfaces(*found)
+
+
+def arrangement_of(kinds, seed: int) -> Arrangement:
+    instance, _ = random_instance(GspType.of((*kinds, ALL, ALL, ALL)), np.random.default_rng(seed))
+    return Arrangement.of(instance).normalized
+
+
+@pytest.mark.parametrize("kinds", TRIPLES, ids=lambda kinds: "-".join(kind.name for kind in kinds))
+@pytest.mark.parametrize("field", ["real", "complex"])
+def test_surfaces_at_random_poses(kinds, field):
+    """Each form is N, or for cylinders N^2, times what it should be."""
+    given = arrangement_of(kinds, 1)
+    rng = np.random.default_rng(2)
+    e, T = rng.normal(size=(5, 4)), rng.normal(size=(5, 3))
+    if field == "complex":
+        e, T = e + 1j * rng.normal(size=e.shape), T + 1j * rng.normal(size=T.shape)
+    e = normalized(e)
+    shapes = measures(given)
+    distances = rng.uniform(1, 2, size=(5, 3))
+    found = surfaces(shapes, e.astype(complex), distances)
+    N = dot(e, e)
+    R = rotation_from_quaternion(e)
+    if field == "real":
+        assert not found.planes.imag.any()
+        assert not found.quadrics.imag.any()
+    # The place of T in the coordinates of the surfaces, and e.f = 0.
+    f = quaternion_product(np.concatenate((np.zeros((5, 1)), T), axis=1), e) / 2
+    t = (np.linalg.pinv(found.basis) @ f[..., None])[..., 0]
+    X = np.concatenate((np.ones((5, 1)), t), axis=1)
+    np.testing.assert_allclose(np.einsum("fk,fkc->fc", e, found.basis), 0, atol=1e-14)
+    r, w, _ = given.placed(R, T)
+    for j, position in enumerate(shapes.flat):
+        i = given.distances[position]
+        length = distances[:, position]
+        height = measured(given, R, T)[:, i]
+        if given.kinds[i] is DLL:
+            normal = np.cross(w[:, i], given.v[i])
+            length = length * np.sqrt(dot(normal, normal) * N**2) / N
+            height = dot(r[:, i], normal)
+        for sign, planes in zip(shapes.signs[:, j], found.planes.swapaxes(0, 1), strict=True):
+            value = dot(planes[:, j], X)
+            assert np.abs(
+                np.array([value - N * (height - s * sign * length) for s in (1, -1)])
+            ).min(axis=0).max() < 1e-12 * (1 + np.abs(height).max())
+    for j, position in enumerate(shapes.curved):
+        i = given.distances[position]
+        axis = {DPP: np.zeros(3), DPL: given.v[i], DLP: w[:, i]}[given.kinds[i]]
+        square = dot(r[:, i], r[:, i]) - dot(r[:, i], axis + 0 * r[:, i]) ** 2
+        scale = N if j < shapes.spheres else N**2
+        value = np.einsum("fa,fab,fb->f", X, found.quadrics[:, j], X)
+        expected = scale * (square - distances[:, position] ** 2)
+        np.testing.assert_allclose(value, expected, atol=1e-12 * (1 + np.abs(T).max()) ** 2)
+    circles = found.planes[:, 0, len(shapes.flat) :]
+    for j in range(1, shapes.spheres):
+        difference = found.quadrics[:, j] - found.quadrics[:, 0]
+        np.testing.assert_allclose(
+            dot(circles[:, j - 1], X), np.einsum("fa,fab,fb->f", X, difference, X), atol=1e-12
+        )
+
+
+def test_skewness_is_the_squared_sine():
+    given = arrangement_of((DPP, DLL, DLL), 3)
+    e = normalized(np.random.default_rng(4).normal(size=(6, 4)))
+    found = surfaces(measures(given), e.astype(complex), np.ones((6, 3)))
+    w = given.u[1:3] @ rotation_from_quaternion(e).swapaxes(1, 2)
+    sines = np.linalg.norm(np.cross(w, given.v[1:3]), axis=-1)
+    np.testing.assert_allclose(found.skewness, (sines**2).min(axis=1))
+
+
+def test_shapes_are_checked():
+    shapes = measures(arrangement_of((DLL, DPL, DPP), 5))
+    e = np.ones((1, 4), complex) / 2
+    with pytest.raises(ValueError, match="must have shapes"):
+        surfaces(shapes, e[:, :3], np.ones((1, 3)))
+    with pytest.raises(ValueError, match="must have shapes"):
+        surfaces(shapes, e, np.ones((2, 3)))

@@ -1,4 +1,13 @@
+"""Branches of made-up equations whose solutions are known: nothing false is proved of a segment.
+
+On the points (1, x, 0, ..., 0) five equations and the Study condition say that all other
+coordinates are zero. The sixth is about x^2 = v^2, in each form that an equation can have: two
+branches cross at v = 0, and the solution there is double. No segment across it can be proved.
+"""
+
 from __future__ import annotations
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -6,15 +15,302 @@ import pytest
 import gspcli
 from gspcli import _kernel
 from gspcli.certification.branches import curves
+from gspcli.certification.branches.parametric_quadrics import Shape, ValueFunction
 from gspcli.errors import GspError
+from gspcli.geometry.coordinates import choose, coordinates, moved
 from gspcli.geometry.machine import Machine
-from gspcli.geometry.quaternions import rotation_from_quaternion, rotation_from_vector
+from gspcli.geometry.quaternions import (
+    rotation_from_quaternion,
+    rotation_from_vector,
+    vector_from_rotation,
+)
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion import FollowOptions, MovingPlatform, measure, track
-from gspcli.motion.following.branch_follower import at_values
-from gspcli.motion.following.tracks import Run
+from gspcli.motion.following.branch_follower import MovingGeometry, Stop, at_values
+from gspcli.motion.following.follower import RowFollower
+from gspcli.motion.following.tracks import Run, track_from
 from gspcli.motion.singularities.clearances import clearances
 from gspcli.resources import data_path
+from tests.support.systems import quadric
+
+NORM = quadric(e00=1, e11=1, e22=1, e33=1)
+OTHERS = [quadric(**{f"e0{k}": 1}) for k in (2, 3, 5, 6, 7)]
+#: Shape and law of the sixth equation, its quadrics A and B, and bounds of c and of A - c N.
+EQUATIONS = {
+    "square": (Shape.PLAIN, ValueFunction.SQUARE, quadric(e11=1), None),
+    "cosine": (Shape.PLAIN, ValueFunction.COSINE, quadric(e00=1), None),
+    "product": (Shape.PRODUCT, ValueFunction.SQUARE, quadric(e11=2), quadric(e01=1)),
+    "product of squares": (Shape.PRODUCT, ValueFunction.SQUARE, quadric(e11=1), quadric(e11=3)),
+    "product without A": (Shape.PRODUCT, ValueFunction.COSINE, NORM, quadric(e01=1)),
+    "lines": (Shape.LINES, ValueFunction.SQUARE, quadric(e01=1), quadric(e01=1)),
+    "lines that turn": (Shape.LINES, ValueFunction.SQUARE, quadric(e01=1), quadric(e11=3)),
+}
+#: Up to there all of the equations have solutions.
+FARTHEST = 0.16
+SPANS = [(1, 0.1), (1, 0.5), (1, 1), (1, 2), (1, 3), (1, 6), (0.3, 3)]
+
+
+def point(x: float) -> np.ndarray:
+    z = np.array([1.0, x, 0, 0, 0, 0, 0, 0])
+    return z / np.linalg.norm(z)
+
+
+def follow(name: str, rows, x: float, *, near=0.0, halvings=0, moduli=1.0, build=""):
+    """Follow the branch near x while v takes the values of the rows."""
+    shape, law, a, b = EQUATIONS[name]
+    hessians = np.zeros((6, 2, 8, 8))
+    hessians[0, 0], hessians[1:, 0] = a, OTHERS
+    if b is not None:
+        hessians[0, 1] = b
+    sizes = np.linalg.norm(hessians, ord=2, axis=(2, 3))
+    values = np.zeros((1, len(rows), 6))
+    values[0, :, 0] = rows
+    laws = np.array([law, *[ValueFunction.LINEAR] * 5], np.int32)
+    most = 1.0 if law is ValueFunction.COSINE else np.max(np.square(rows))
+    largest = np.array([most, *[0.0] * 5])
+    found = _kernel.follow(
+        np.array([shape, *[Shape.PLAIN] * 5], np.int32),
+        laws,
+        np.ones(6),
+        largest,
+        np.maximum(sizes[:, 0], np.abs(sizes[:, 0] - 2 * largest))
+        + 2 * largest * (law is ValueFunction.COSINE),
+        hessians,
+        sizes,
+        sizes * moduli,
+        values,
+        np.zeros(1, np.int64),
+        point(x)[None],
+        np.array([near]),
+        certify=True,
+        most_halvings=halvings,
+        jobs=1,
+        build=build,
+    )
+    names = "points stop reached fraction last previous segments tries worst near alone"
+    return SimpleNamespace(**{key: part[0] for key, part in zip(names.split(), found, strict=True)})
+
+
+@pytest.mark.parametrize("name", EQUATIONS)
+@pytest.mark.parametrize("size", [1e-3, 0.05])
+def test_away_from_the_crossing_branches_are_followed(name: str, size: float) -> None:
+    for sign in (1, -1):
+        found = follow(name, [size, 1.1 * size, 2 * size], sign * size, halvings=10)
+        assert found.stop == Stop.END
+        assert found.last[0] * found.last[1] * sign > 0
+        assert found.alone < 2 * abs(found.last[1])
+        assert found.near < 0.01 * size
+
+
+@pytest.mark.parametrize("name", EQUATIONS)
+@pytest.mark.parametrize("size", [1e-3, 0.02, 0.1])
+@pytest.mark.parametrize("halvings", [0, 2, 12])
+def test_no_branch_is_followed_across_the_crossing(name: str, size: float, halvings: int) -> None:
+    for (before, after), sign in ((span, sign) for span in SPANS for sign in (1, -1)):
+        found = follow(
+            name, [-before * size, after * size], sign * size * before, halvings=halvings
+        )
+        assert found.stop != Stop.END
+
+
+@pytest.mark.parametrize("name", EQUATIONS)
+def test_where_the_pose_may_be_another_one_no_branch_begins(name: str) -> None:
+    """The pose is given up to a distance: no other pose may be within it."""
+    x = solution(name, 0.05, 1)
+    alone = follow(name, [0.05, 0.052], x).alone
+    assert follow(name, [0.05, 0.052], x, near=alone / 8).stop == Stop.END
+    for share in (0.3, 0.5, 0.9, 1.1, 3):
+        assert follow(name, [0.05, 0.052], x, near=share * alone, halvings=3).stop != Stop.END
+
+
+@pytest.mark.parametrize(
+    "name", [x for x, row in EQUATIONS.items() if row[1] is ValueFunction.SQUARE]
+)
+def test_terms_that_cancel_make_errors(name: str) -> None:
+    """Entries are sums of terms whose moduli may be much larger than the entries."""
+    exact, rough = (follow(name, [0.1, 0.103], 0.1, moduli=m) for m in (1.0, 1e4))
+    assert exact.stop == rough.stop == Stop.END
+    assert rough.near > 100 * exact.near
+    assert follow(name, [0.1, 0.103], 0.1, moduli=1e15, halvings=3).stop != Stop.END
+
+
+def solution(name: str, v: float, sign: int) -> float:
+    """Return x for a value."""
+    shape, law, a, b = EQUATIONS[name]
+    c = 1 - v * v / 2 if law is ValueFunction.COSINE else v * v
+
+    def value(x: float) -> float:
+        z = np.array([1, x, 0, 0, 0, 0, 0, 0])
+        n, first = 1 + x * x, z @ a @ z / 2
+        second = 0.0 if b is None else z @ b @ z / 2
+        return {
+            Shape.PLAIN: first - c * n,
+            Shape.PRODUCT: n * (first - c * n) - second**2,
+            Shape.LINES: first**2 - c * (n * n - second**2),
+        }[shape]
+
+    low, high = 0.0, 1.5 * abs(v)
+    for _ in range(80):
+        middle = (low + high) / 2
+        low, high = (low, middle) if value(middle) * value(1.5 * abs(v)) > 0 else (middle, high)
+    return sign * low
+
+
+MIXED = ["6PP", "6DLL", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"]
+
+
+def random_platform(gsp_type, seed=1):
+    rng = np.random.default_rng(seed)
+    instance, (R, T) = random_instance(gspcli.parse_type(gsp_type), rng)
+    return rng, instance, R, T
+
+
+def nominal_values(instance):
+    return np.array([constraint.value.value for constraint in instance.constraints])
+
+
+def matrix_about(axis, angle):
+    return rotation_from_vector(np.asarray(axis) / np.linalg.norm(axis) * angle)
+
+
+@pytest.mark.parametrize("gsp_type", MIXED)
+def test_both_proofs_agree_where_only_values_move(gsp_type):
+    rng, instance, R, T = random_platform(gsp_type)
+    t = np.linspace(0, 1, 6)[:, None]
+    turn, move = rng.normal(size=(2, 1, 3)) * 0.03
+    values = measure(instance, rotation_from_vector(t * turn) @ R, T + t * move)
+    one, other = MovingPlatform(instance), MovingGeometry(instance, ())
+    branch = np.zeros(1, int)
+    start = one.points(R[None], T[None])
+    quick = one.follow(one.internal(values)[None], branch, start)
+    slow = other.follow(values[None], branch, start, FollowOptions())
+    assert quick.stop == slow.stop == 0
+    assert np.allclose(quick.points, slow.points, atol=1e-12)
+
+
+def test_cranks_about_one_axis_turn_everything():
+    text = data_path("examples", "platform-6-6.yaml").read_text(encoding="utf-8")
+    head, tail = text.split("base:\n")
+    crank = ", crank: {centre: [1, 2, 0.5], axis: [1, -2, 2]}}"
+    points, constraints = tail.split("constraints:")
+    turning = "\n".join(
+        line.replace("]}", "]" + crank) if "{point" in line else line for line in points.split("\n")
+    )
+    instance = gspcli.loads(f"{head}base:\n{turning}constraints:{constraints}")
+    assert gspcli.loads(gspcli.dumps(instance)) == instance
+    names = [c.name for c in coordinates(instance)]
+    assert len(names) == 6
+    angles = np.array([0, 25, -70, 120.0])
+    values = np.tile(nominal_values(instance), (4, 1))
+    found = track(instance, values, coordinates=dict.fromkeys(names, angles), modes=[1])
+    assert found.certified
+    assert not found.events
+    for k, angle in enumerate(np.radians(angles)):
+        Q, centre = matrix_about([1, -2, 2], angle), np.array([1, 2, 0.5])
+        assert np.allclose(found.R[0, k], Q @ found.R[0, 0], atol=1e-11)
+        assert np.allclose(found.T[0, k], Q @ (found.T[0, 0] - centre) + centre, atol=1e-11)
+    # The same in one step as in the other three, and the claim is about the circle, not the chord.
+    direct = track(
+        instance, values[[0, 3]], coordinates=dict.fromkeys(names, angles[[0, 3]]), modes=[1]
+    )
+    assert np.allclose(direct.R[0, -1], found.R[0, -1], atol=1e-11)
+    assert direct.segments > 3
+
+
+def test_following_from_given_poses_needs_no_coordinates():
+    _, instance, R, T = random_platform("6PP")
+    values = measure(instance, R, T)
+    found = track_from(instance, np.stack((values, values * 1.001)), R[None], T[None])
+    assert found.coordinates == ()
+    assert np.isfinite(found.conditions).all()
+
+
+def random_twist(rng, size):
+    x = rng.normal(size=6)
+    return x * size / np.linalg.norm(x)
+
+
+@pytest.mark.parametrize("far", [0.1, 1.0, 30.0])
+@pytest.mark.parametrize("size", [1e-3, 1e-6])
+def test_distances_of_study_points_are_bounded_by_those_of_poses_and_conversely(far, size):
+    rng = np.random.default_rng(7)
+    _, instance, R, _ = random_platform("6PP")
+    geometry = MovingGeometry(instance, ())
+    rows = geometry.rows
+    for _ in range(50):
+        start = R, far * rng.normal(size=3)
+        x = random_twist(rng, size)
+        turned = rotation_from_vector(x[:3]) @ R
+        middle = start[1] + R @ rows.middle + x[3:] * rows.reach
+        points = geometry.points(
+            np.stack((R, turned)), np.stack((start[1], middle - turned @ rows.middle))
+        )
+        apart = min(np.linalg.norm(points[0] - sign * points[1]) for sign in (1, -1))
+        assert apart <= geometry._distance(size * rows.reach)
+        assert size * rows.reach <= geometry._twist(points[0], start[1], apart)
+
+
+DRIVEN = {
+    "t-top-head": [f"crank.B{k}" for k in range(1, 7)],
+    "delta": ["crank.B1", "crank.B3", "crank.B5"],
+}
+
+
+@pytest.mark.parametrize("name", [*DRIVEN, "6PP", "PP PL LP PH HP DLL", "PL PL LP ALL ALH AHH"])
+def test_poses_on_a_segment_are_within_its_radius(name):
+    rng = np.random.default_rng(3)
+    if name in DRIVEN:
+        instance = gspcli.example(name)
+        solved = gspcli.solve(instance)
+        # One that is far from the folds of @delta.
+        R, T = (x[solved.real][4].real for x in (solved.R, solved.T))
+        chosen = choose(instance, DRIVEN[name])
+        ends = np.tile(nominal_values(instance), (2, 1))
+        rows = np.column_stack((ends, [np.zeros(len(chosen)), 8 * rng.normal(size=len(chosen))]))
+    else:
+        _, instance, R, T = random_platform(name)
+        goal = rotation_from_vector(0.02 * rng.normal(size=3)) @ R, T + 0.01 * rng.normal(size=3)
+        rows, chosen = np.stack((measure(instance, R, T), measure(instance, *goal))), ()
+    follower = RowFollower(instance, chosen)
+    found = follower.follow(rows, R, T, keep=True)
+    assert found.reached == 1
+    segments = found.segments
+    assert (segments.end[:-1] == segments.begin[1:]).all()
+    assert (segments.begin[0], segments.end[-1]) == (0, 1)
+    shares = []
+    for k in range(len(segments.row)):
+        for s in (0.0, 0.3, 0.5, 0.8, 1.0):
+            part = segments.begin[k] + s * (segments.end[k] - segments.begin[k])
+            there = rows[0] + part * (rows[1] - rows[0])
+            at = follower.follow(np.stack((rows[0], there)), R, T)
+            assert at.reached == 1
+            chord, place = (x[0] for x in segments.chord(np.array([k]), np.array([s])))
+            turn = np.linalg.norm(vector_from_rotation(at.R[1] @ chord.T))
+            centre = at.T[1] + at.R[1] @ follower.middle - follower.origin
+            away = np.hypot(turn, np.linalg.norm(centre / follower.reach - place))
+            assert away <= segments.radius[k] + 1e-12
+            shares.append(away / segments.radius[k])
+    # Not by far too much.
+    assert max(shares) > 0.05
+
+
+def test_drives_that_the_step_does_not_know_are_followed_in_arcs():
+    """A rod whose length changes while its crank turns, against the same in many short rows."""
+    instance = gspcli.example("t-top-head")
+    solved = gspcli.solve(instance)
+    R, T = (x[solved.real][:1].real for x in (solved.R, solved.T))
+    chosen = choose(instance, ["crank.B1"])
+    values = nominal_values(instance)
+    rows = np.array([[*values, 0.0], [*(values * 1.001), 2.0]])
+    geometry = MovingGeometry(instance, chosen)
+    assert not geometry.rows.knows(rows)
+    start = geometry.points(R, T)
+    found = geometry.follow(rows[None], np.zeros(1, int), start, FollowOptions())
+    assert found.stop[0] == Stop.END
+    there = moved(instance, chosen, rows[1, 6:])
+    assert np.allclose(
+        measure(there, *(x[0] for x in geometry.poses(found.points[:, 1]))), rows[1, :6], atol=1e-12
+    )
 
 
 @pytest.fixture(scope="module")

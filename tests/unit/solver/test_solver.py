@@ -1,7 +1,8 @@
-"""Platforms in special positions: their poses, counts and verdicts."""
+"""Poses far away of platforms with points and lines, from points in planes."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
@@ -11,29 +12,340 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy as sp
+from flint import acb_mat, arb_mat
 from positions import ORIGIN, P, X, Y, Z, angles, at, cylinders, solved, spheres
 
+import gspcli.certification.poses.far_points
+from gspcli.catalogue.kinds import DLP, DPL, DPP
 from gspcli.catalogue.names import parse_type
 from gspcli.certification import Outcome, certify, refine
 from gspcli.certification import certify as certify_alone
 from gspcli.certification.counting import ExactCount, exact_count, with_points_for_lines
+from gspcli.certification.equations.ball_system import BallSystem, heights
+from gspcli.certification.poses.far_points import _Equations, far_points
+from gspcli.certification.poses.locator import Located
+from gspcli.continuation.quadrics import evaluate
+from gspcli.continuation.tracked_paths import TrackedPaths
+from gspcli.geometry import study
 from gspcli.geometry.arrangement import Arrangement
-from gspcli.geometry.instance import Instance, Side
+from gspcli.geometry.instance import AngleUnit, Constraint, Instance, Side, Units
 from gspcli.geometry.machine import Machine
 from gspcli.geometry.measurement import measured, relative_residuals, residuals
 from gspcli.geometry.numbers import Number
-from gspcli.geometry.primitives import Line, Plane, vector
+from gspcli.geometry.primitives import Line, Plane, Point, vector
 from gspcli.geometry.random_instances import random_instance
 from gspcli.motion.following.tracks import track
 from gspcli.motion.singularities.clearances import clearances
-from gspcli.solver import SolveResult, solve
+from gspcli.pictures.stage import scene_of
+from gspcli.solver import SolveResult, all_poses, further, solve
 from gspcli.solver import certify as certify_poses
-from gspcli.solver.by_count import poses_of_repeated
-from gspcli.solver.poses import PoseSet
+from gspcli.solver.all_poses import far_in_planes
+from gspcli.solver.by_count import isolated_real_poses, poses_of_repeated
+from gspcli.solver.poses import PoseSet, are_far
 from gspcli.solver.problem import Problem
 from gspcli.solver.search import Search
+from gspcli.solver.side_search import SideSearch
+from gspcli.solver.solved_starts import SolvedStarts
+from gspcli.solver.study_systems import coefficients_at
 from gspcli.spec import loads
 from tests.support.posts import PLATE_ON_POSTS
+from tests.support.strategies import added
+
+VALUES = [1.2, 1.25, 1.22, 1.21, 0.7, 0.8]
+
+
+SIX, SIDES = np.arange(6) * np.pi / 3, (-1.0) ** np.arange(6)
+PAIRS = np.repeat(SIX[::2], 2)
+#: Angles of joints on the platform and on the base, of which six are nearly regular.
+ANGLES = PAIRS + 0.9 * SIDES, PAIRS + 0.3 * SIDES
+REGULAR = SIX + np.pi / 6 + 0.1 * SIDES, SIX + 0.2 * SIDES
+
+
+def guided(kinds, axes, digits=None, angles=ANGLES):
+    """Return hexagons of which two pairs of joints are a point and a line, rounded to digits."""
+
+    def ring(angles, radius):
+        points = radius * np.c_[np.cos(angles), np.sin(angles), 0 * angles]
+        points = points if digits is None else points.round(digits)
+        return [Point(row) for row in (points + 0.0).tolist()]
+
+    rows = []
+    for i, (y, x) in enumerate(zip(ring(angles[0], 0.7), ring(angles[1], 1.0), strict=True)):
+        kind, value = (DPP, *kinds)[max(0, i - 3)], Number.of(VALUES[i])
+        if i > 3:
+            axis = tuple(Number.of(c) for c in axes[i - 4])
+            x = Line(x.position, axis) if kind is DPL else x
+            y = Line(y.position, axis) if kind is DLP else y
+        rows.append(Constraint(kind, y, x, value))
+    return Instance(tuple(rows), Units("m", AngleUnit.RADIAN))
+
+
+UP, IN, ACROSS = (0, 0, 1), (1, 0, 0), (-0.28, 0.96, 0)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "axes", "digits"),
+    [
+        ((DPL, DPL), (IN, UP), None),
+        ((DPL, DPL), (IN, UP), 6),
+        ((DPL, DPL), (ACROSS, (-1, 0, 0)), 5),
+        ((DLP, DLP), (ACROSS, UP), None),
+        ((DLP, DPL), (ACROSS, IN), 4),
+    ],
+)
+def test_poses_far_away_need_neither_more_paths_nor_elimination(kinds, axes, digits, monkeypatch):
+    monkeypatch.setattr(TrackedPaths, "track", None)
+    monkeypatch.setattr(further, "poses_by_elimination", None)
+    found = solve(guided(kinds, axes, digits), starts=SolvedStarts())
+    assert found.verdict == "complete"
+    assert found.proof is not None
+    assert are_far(found.R, found.T, 1.0).sum() >= 8
+
+
+@pytest.mark.parametrize("digits", [4, 6])
+def test_nearly_double_poses_far_away_are_found_from_ends_of_lost_paths(digits, monkeypatch):
+    """Between nearly regular hexagons poses far away are pairs of which e hardly differs."""
+    instance = guided((DPL, DPL), (IN, UP), digits, REGULAR)
+    monkeypatch.setattr(TrackedPaths, "track", None)
+    monkeypatch.setattr(further, "poses_by_elimination", None)
+    found = solve(instance, starts=SolvedStarts())
+    assert found.verdict == "complete"
+    assert found.proof is not None
+    monkeypatch.setattr(_Equations, "_among_two", lambda *_: None)
+    with pytest.raises(TypeError):
+        solve(instance, starts=SolvedStarts())
+
+
+def test_they_are_those_of_the_further_strategies(monkeypatch):
+    instance = guided((DPL, DPL), (IN, UP), 3)
+    known = solve(instance, starts=SolvedStarts())
+    monkeypatch.setattr(SideSearch, "add_far", lambda *_: None)
+    other = solve(instance, starts=SolvedStarts())
+    for part in ("quaternions", "R", "T", "real"):
+        np.testing.assert_array_equal(getattr(known, part), getattr(other, part))
+
+
+def test_points_in_planes_lead_to_one_of_each_pair_of_conjugates():
+    problem = Problem(guided((DPL, DPL), (IN, UP), 6))
+    known = solve(problem.instance)
+    (ends,) = added(far_in_planes, problem)
+    e = ends.points[0, 0, :, :4]
+    e = e / np.linalg.norm(e, axis=1, keepdims=True)
+    locator, sides = problem.locator, problem.sides[0]
+    points = far_points(locator, sides, e, ends.planes)
+    both = far_points(
+        locator, sides, np.concatenate((e, e.conj())), np.concatenate((ends.planes, -ends.planes))
+    )
+    assert len(points) == len(both) == are_far(known.R, known.T, 1.0).sum() // 2
+    for point in points:
+        located = locator.locate_exactly(point, sides, 128)
+        assert isinstance(located, Located)
+        assert (located.T == known.T).all(axis=1).any()
+
+
+@pytest.mark.parametrize("name", ["4PP 2PL", "4PP 2LP", "4PP PL LP"])
+def test_planes_are_those_of_the_equations_of_proofs(name):
+    rng = np.random.default_rng(4)
+    turns = []
+    for _ in range(8):
+        instance, _ = random_instance(parse_type(name), rng)
+        given = Arrangement.of(instance)
+        _, (g, h, _) = coefficients_at(given)
+        system = BallSystem(instance, 53)
+        z = rng.normal(size=(3, 8)) + 1j * rng.normal(size=(3, 8))
+        # The equations of paths are those of e.f = 0.
+        e, f = z[:, :4], z[:, 4:]
+        f -= ((e * f).sum(axis=1) / (e * e).sum(axis=1))[:, None] * e
+        scaled = np.concatenate((e, f / system.scale), axis=1)
+        for k, turn in enumerate(all_poses._turns(given).tolist()):
+            if given.kinds[k] not in (DPL, DLP):
+                continue
+            row = system.statements[k]
+            forms = heights(row.a, row.b, row.u, row.v)
+            rows = arb_mat([[form.get(i, 0) for i in range(study.COUNT)] for form in forms])
+            hessians = arb_mat(study.COUNT, 64, study.form_hessians().ravel().tolist())
+            both = np.array([complex(x).real for x in acb_mat(rows * hessians).entries()]).reshape(
+                2, 8, 8
+            )
+            A, B = np.einsum("ni,kij,nj->kn", scaled, both, scaled)
+            for quadric, sign in ((g[0, k], turn), (h[0, k], -turn)):
+                ratio = (A + 1j * sign * B) / evaluate(quadric[None], z)[..., 0]
+                np.testing.assert_allclose(ratio, ratio[0], rtol=1e-8)
+            turns.append(turn)
+    assert set(turns) == {1, -1}
+
+
+def test_few_solutions_at_infinity_are_taken_for_pairs_that_are_near_each_other(monkeypatch):
+    """With two parallel guide rods paths lead to infinity."""
+    calls = []
+    among_two = _Equations._among_two
+
+    def counted(*given):
+        calls.append(among_two(*given))
+        return calls[-1]
+
+    monkeypatch.setattr(_Equations, "_among_two", counted)
+    found = solve(guided((DPL, DPL), (IN, IN), 6), starts=SolvedStarts())
+    assert found.verdict == "complete"
+    assert len(found.R) == 128
+    assert calls == [None, None]
+    monkeypatch.setattr(gspcli.certification.poses.far_points, "_FAILURES", 100)
+    calls.clear()
+    solve(guided((DPL, DPL), (IN, IN), 6), starts=SolvedStarts())
+    assert len(calls) > 2
+
+
+# Real poses that cannot move, on sets of complex solutions that are infinite.
+
+
+#: A ball in a seat at the origin, a ball in a groove along the x axis, a ball on the table: real
+#: poses put B at (±40, 0, 0) and C at (0, ±30, 0).
+SEAT = """
+gsp: 1
+units: {{length: mm, angle: deg}}
+platform:
+  A: {{point: [0, 0, 0]}}
+  B: {{point: [40, 0, 0]}}
+  C: {{point: [0, 30, 0]}}
+base:
+  O: {{point: [0, 0, 0]}}
+  groove: {{line: {{point: [0, 0, 0], direction: [1, 0, 0]}}}}
+  table: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}
+constraints:
+  - {{distance: [A, O], value: 0}}
+  - {{distance: [B, groove], value: 0}}
+  - {{distance: [C, table], value: 0}}
+  - {{distance: [B, O], value: {along}}}
+  - {{distance: [C, O], value: 30}}
+  - {{distance: [A, table], value: 0}}
+"""
+#: A shaft in a hole, two points and the direction of which are given, with a key that K = (8 cos t,
+#: 8 sin t, 10) stands for: it is 6 - y from the wall.
+SHAFT = """
+gsp: 1
+units: {{length: mm, angle: {unit}}}
+platform:
+  shaft: {{line: {{point: [0, 0, 0], direction: [0, 0, 2]}}}}
+  O: {{point: [0, 0, 0]}}
+  E: {{point: [0, 0, 50]}}
+  K: {{point: [8, 0, 10]}}
+base:
+  hole: {{line: {{point: [0, 0, 0], direction: [0, 0, {direction}]}}}}
+  end: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}
+  wall: {{plane: {{point: [0, 6, 0], normal: [0, 1, 0]}}}}
+constraints:
+  - {{angle: [shaft, hole], value: {angle}}}
+  - {{distance: [O, hole], value: 0}}
+  - {{distance: [O, end], value: 0}}
+  - {{distance: [K, wall], value: {gap}}}
+  - {{distance: [E, hole], value: 0}}
+  - {{distance: [E, end], value: 50}}
+"""
+
+
+def lone(text: str) -> SolveResult:
+    result = solve(loads(text))
+    assert result.verdict == "infinite"
+    assert result.proof is not None
+    return result.lone
+
+
+def turns(result: SolveResult) -> list[float]:
+    """Return the sines of turns about the z axis, which all rotations must be."""
+    np.testing.assert_allclose(result.R[:, 2, 2], 1, atol=1e-12)
+    return sorted(result.R[:, 1, 0].real.tolist())
+
+
+def test_ball_in_a_seat() -> None:
+    found = lone(SEAT.format(along=40))
+    expected = [np.diag([s, t, s * t]) for s in (1.0, -1.0) for t in (1.0, -1.0)]
+    assert len(found.R) == len(expected)
+    for R in expected:
+        assert np.abs(found.R - R).max(axis=(1, 2)).min() < 1e-12
+    np.testing.assert_allclose(found.T, 0, atol=1e-12)
+    # They are what there is to look at.
+    (modes, *_) = scene_of(solve(loads(SEAT.format(along=40)))).series
+    assert len(modes) == len(expected)
+
+
+@pytest.mark.parametrize(("unit", "angle", "direction"), [("deg", 0, 1), ("rad", "pi", -3)])
+def test_shaft_in_a_hole(unit: str, angle: object, direction: int) -> None:
+    found = lone(SHAFT.format(unit=unit, angle=angle, direction=direction, gap=3))
+    # The key is 3 or 9 high, and it reaches up to 8 only.
+    np.testing.assert_allclose(turns(found), [3 / 8, 3 / 8], atol=1e-12)
+
+
+def test_sense_of_a_direction() -> None:
+    found = lone(SHAFT.format(unit="deg", angle=180, direction=1, gap=3))
+    # Turned over: E is as far below the end as it was above.
+    np.testing.assert_allclose(found.R[:, 2, 2], -1, atol=1e-12)
+    np.testing.assert_allclose(found.R[:, 1, 0], 3 / 8, atol=1e-12)
+
+
+@pytest.mark.parametrize(("apart", "poses"), [(5, 0), (0, 2)])
+def test_distance_of_parallel_lines(apart: int, poses: int) -> None:
+    """Its equation holds at any distance; what is stated does not."""
+    text = SHAFT.format(unit="deg", angle=0, direction=1, gap=3)
+    other = loads(text.replace("[E, hole], value: 0", f"[shaft, hole], value: {apart}"))
+    found = isolated_real_poses(other, lambda platform: solve(platform))
+    assert found is not None
+    assert len(found) == poses
+
+
+@pytest.mark.parametrize("size", ["/100000000", "*100000000"])
+def test_a_shaft_in_other_units(size: str) -> None:
+    """An angle is no length: residuals of both are not compared with the same size."""
+    text = SHAFT.format(unit="deg", angle=0, direction=1, gap=3)
+    for number in ("50", "8", "10", "6", "3"):
+        text = re.sub(rf"(?<=[ \[]){number}(?=[,\]}}])", f"{number}{size}", text)
+    found = lone(text)
+    np.testing.assert_allclose(turns(found), [3 / 8, 3 / 8], atol=1e-12)
+
+
+def test_key_that_touches() -> None:
+    found = lone(SHAFT.format(unit="deg", angle=0, direction=1, gap=2))
+    np.testing.assert_allclose(turns(found), [1 / 2, 1 / 2, 1], atol=1e-7)
+
+
+def test_planes_that_are_flush() -> None:
+    text = """
+gsp: 1
+units: {length: mm, angle: deg}
+platform:
+  A: {point: [0, 0, 0]}
+  B: {point: [40, 0, 0]}
+  C: {point: [0, 30, 0]}
+  F: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+  pin: {line: {point: [0, 0, 3], direction: [0, 0, 1]}}
+base:
+  P: {point: [10, 0, 0]}
+  G: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+  Q: {point: [70, 20, 5]}
+constraints:
+  - {angle: [F, G], value: 180}
+  - {distance: [A, G], value: 5, side: positive}
+  - {distance: [pin, P], value: 0}
+  - {distance: [B, Q], value: 50}
+  - {distance: [C, G], value: 5, side: positive}
+  - {distance: [B, G], value: 5, side: positive}
+"""
+    found = lone(text)
+    assert len(found.R) == 2
+    np.testing.assert_allclose(found.T - [10, 0, 5], 0, atol=1e-12)
+    # B turns about (10, 0) at the distance 40: where it is 50 from (70, 20).
+    B = found.R @ [40, 0, 0] + found.T
+    np.testing.assert_allclose(np.linalg.norm(B - [70, 20, 5], axis=1), 50, atol=1e-9)
+    assert not np.allclose(B[0], B[1])
+
+
+def test_platforms_that_move_have_none() -> None:
+    turning = SEAT.format(along=40).replace("[A, table], value: 0", "[B, table], value: 0")
+    turning = turning.replace("[C, table]", "[A, table]")
+    assert solve(loads(turning)).lone.R.shape == (0, 3, 3)
+
+
+# Platforms in special positions: their poses, counts and verdicts.
+
 
 # Platforms in special position: multiple poses, poses at infinity, and motions.
 
@@ -310,7 +622,7 @@ def test_nearly_equal_spheres_in_more_than_enough_places_still_add_up():
 # Lines of a DLL that are parallel at every pose: a plate on a table between round posts.
 
 
-VALUES = [0, 0, 0, 1.5, 2, 1]
+VALUES_OF_SPECIAL = [0, 0, 0, 1.5, 2, 1]
 
 
 def _spec(*changes: tuple[str, str]) -> Instance:
@@ -515,7 +827,7 @@ def test_poses_are_certified_refined_and_refused() -> None:
 
 
 def test_the_plate_is_followed_on_the_table() -> None:
-    rows = np.array([VALUES, [0, 0, 0, 1.6, 2.1, 1.05]])
+    rows = np.array([VALUES_OF_SPECIAL, [0, 0, 0, 1.6, 2.1, 1.05]])
     result = track(_spec(), rows)
     assert not result.events
     assert result.certified
