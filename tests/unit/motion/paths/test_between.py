@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.unit.motion.paths.test_ways import MACHINES, ways_of
 
 import gspcli
 from gspcli.errors import ArgumentError
@@ -38,6 +37,7 @@ from gspcli.motion.paths.planned_paths import largest_rates
 from gspcli.motion.paths.ways import PoseWays, ValueWays, WayProof
 from gspcli.motion.poses.inverse_kinematics import values_at
 from gspcli.motion.singularities.clearances import clearances, weights_of
+from tests.unit.motion.paths.test_ways import MACHINES, ways_of
 
 
 @pytest.mark.parametrize("name", MACHINES)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.unit.motion.paths.test_ways import ways_of
 
 import gspcli
 from gspcli.geometry.machine import Machine
@@ -14,6 +13,7 @@ from gspcli.motion.paths.ways import PoseWays, ValueWays
 from gspcli.pictures.live_numbers import live_home
 from gspcli.solver import SolveResult, solve
 from gspcli.spec.reading import example
+from tests.unit.motion.paths.test_ways import ways_of
 
 #: What the factors of some platforms are of.
 FACTORS = {
