@@ -161,14 +161,14 @@ class FamilyPaths:
         self._turn = 0.0 if apart > 0 else pi
         #: A place is log |s|; zero is s = 1, the platform itself.
         self._begin = log(abs(apart) / family.size)
-        self._systems: dict[float, tuple[acb, BallSystem]] = {}
+        self._systems: dict[float, BallSystem] = {}
         self._weights: dict[tuple[float, ...], acb_mat] = {}
 
     @property
     def instance(self) -> Instance:
         """The platform at the beginning."""
         with ctx.workprec(self._bits(self._begin)):
-            return self._family.instance_at(self._system(self._begin)[0].real)
+            return self._family.instance_at(self._difference(self._begin).real)
 
     def locate(self, begin: Locator, point: Complex, low: Complex) -> Located | AtInfinity | None:
         """Return the pose at the end of the path from a point of the beginning; None if lost.
@@ -193,17 +193,22 @@ class FamilyPaths:
         times, more = self._family.bits
         return int(more - times * log2(self._family.size * exp(x)))
 
-    def _system(self, x: float) -> tuple[acb, BallSystem]:
-        """Return s and the equations at a place, with as many bits as N needs there."""
-        if (known := self._systems.get(x)) is not None:
-            return known
+    def _difference(self, x: float) -> acb:
+        """Return s at a place, with as many bits as N needs there."""
         with ctx.workprec(self._bits(x)):
             # Real at both ends.
             turn = self._turn * x / self._begin + tanh(x) * tanh(self._begin - x)
             s = acb(x, turn).exp().mid() if 0 < x < self._begin else acb(arb(x).exp().mid())
-            if x == self._begin and self._turn:
-                s = -s
-            found = s, BallSystem(self._family.instance, ctx.prec, self._family.at(s))
+            return -s if x == self._begin and self._turn else s
+
+    def _system(self, x: float) -> BallSystem:
+        """Return the equations at a place, with as many bits."""
+        if (known := self._systems.get(x)) is not None:
+            return known
+        with ctx.workprec(self._bits(x)):
+            found = BallSystem(
+                self._family.instance, ctx.prec, self._family.at(self._difference(x))
+            )
         if len(self._systems) < _KEPT:
             self._systems[x] = found
         return found
@@ -212,7 +217,7 @@ class FamilyPaths:
         self, x: float, point: Numbers, patch: int, *, near: bool = True
     ) -> Numbers | None:
         """Return the limit of Newton's method if it converges as near a simple solution."""
-        system, last = self._system(x)[1], 1.0
+        system, last = self._system(x), 1.0
         with ctx.workprec(system.precision):
             for _ in range(_NEWTON):
                 values, jacobian = system.at(point, self._sides)
@@ -273,7 +278,7 @@ class FamilyPaths:
 
     def _ratio(self, x: float, other: float) -> acb:
         """Return the ratio of s at two places."""
-        return self._system(x)[0] / self._system(other)[0]
+        return self._difference(x) / self._difference(other)
 
     def _extrapolated(
         self, places: Sequence[float], rows: Sequence[Numbers], powers: tuple[int, int], x: float
@@ -284,7 +289,7 @@ class FamilyPaths:
         """
         key = (*places, x)
         if key not in self._weights:
-            self._weights[key] = _weights([self._system(y)[0] for y in key])
+            self._weights[key] = _weights([self._difference(y) for y in key])
         exponents = (0,) * 4 + powers[:1] * 3 + powers[1:]
         scaled = []
         for y, row in zip(places, rows, strict=True):
