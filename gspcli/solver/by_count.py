@@ -65,6 +65,12 @@ def complete(side: SideSearch, solutions: int, distinct: int, spurious: int | No
     side.all_simple = solutions == distinct
     search_side(side, distinct - len(multiple))
     numbers = _multiplicities(len(side), multiple, solutions, distinct)
+    if multiple and not numbers:
+        # Multiple poses that are near each other are one end for doubles.
+        multiple = [
+            pose for pose in _with_paths_of_32_digits(side) if pose.is_pose or spurious is None
+        ]
+        numbers = _multiplicities(len(side), multiple, solutions, distinct)
     known = list(zip(multiple, numbers, strict=True)) if numbers else []
     return _pose_set(side.poses, known, side.paths.count, solutions, spurious or 0)
 
@@ -76,6 +82,15 @@ def _multiple(side: SideSearch) -> list[MultiplePose]:
     points, paths = ends.points[chosen], ends.multiplicity[chosen].tolist()
     low = np.zeros((len(points), 0, 8), complex)
     return list(multiple_poses(side.locator, points, low, paths, side.sides))
+
+
+def _with_paths_of_32_digits(side: SideSearch) -> list[MultiplePose]:
+    """Return the multiple poses at the ends of all paths with 32 digits."""
+    index = np.arange(side.paths.count)
+    ends = [ends for _, ends in side.paths.track(index, side.target)]
+    points = np.concatenate([part.points[0] for part in ends])
+    low = np.concatenate([part.more for part in ends])
+    return list(multiple_poses(side.locator, points, low, [1] * len(points), side.sides))
 
 
 def _multiplicities(
